@@ -1,0 +1,124 @@
+"""Closed triangle meshes of the pieces, and GLB files of them that are the same to the byte on every machine.
+
+trimesh writes GLB too, but its bytes change with its version.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from layout import STEP_RISE_M, STEP_TREAD_M, Piece
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FLOAT32, UINT16, TRIANGLES = 5126, 5123, 4  # glTF component types and primitive mode
+VERTEX_BUFFER, INDEX_BUFFER = 34962, 34963  # glTF buffer view targets
+JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A named triangle mesh in level coordinates: vertices [V, 3] [m], faces [F, 3], drawn at `origin` [3]."""
+
+    name: str
+    vertices: Floats
+    faces: Ints
+    origin: Floats
+
+
+def profile(piece: Piece, run: float) -> list[tuple[float, float]]:
+    """The outline (way uphill, height) [m], seen in full from its first corner, the lower one at the top end."""
+    rise = piece.high[2] - piece.low[2]
+    if piece.kind == "ramp":
+        return [(run, 0), (run, rise), (0, 0)]
+    if piece.kind == "stairs":
+        steps = round(rise / STEP_RISE_M)
+        corners = [(k * STEP_TREAD_M, (k + up) * STEP_RISE_M) for k in range(steps) for up in (0, 1)]
+        return [(run, 0), (run, rise), *reversed(corners)]
+    return [(run, 0), (run, rise), (0, rise), (0, 0)]
+
+
+def prism(piece: Piece) -> Mesh:
+    """The closed surface of `piece`, outward normals by the right-hand rule."""
+    low, high = np.array(piece.low, float), np.array(piece.high, float)
+    along = 0 if piece.uphill[1] == "x" else 1
+    size = high - low
+    outline = profile(piece, size[along])
+    n = len(outline)
+    local = np.zeros((2 * n, 3))
+    for side in (0, 1):
+        for k, (way, up) in enumerate(outline):
+            local[side * n + k, along] = way if piece.uphill[0] == "+" else size[along] - way
+            local[side * n + k, 1 - along] = side * size[1 - along]
+            local[side * n + k, 2] = up
+    near = [(0, k, k + 1) for k in range(1, n - 1)]
+    far = [(n, n + k + 1, n + k) for k in range(1, n - 1)]
+    ring = [(k, (k + 1) % n) for k in range(n)]
+    around = [face for a, b in ring for face in ((a, n + a, b), (b, n + a, n + b))]
+    faces = np.array(near + far + around)
+    corners = local[faces]
+    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
+    origin = np.array([*(low + high)[:2] / 2, low[2]])
+    return Mesh(piece.name, local + low - origin, faces if volume > 0 else faces[:, ::-1], origin)
+
+
+def y_up(points: Floats) -> Floats:
+    """Level coordinates (z up) [..., 3] to the file's axes (y up, z south)."""
+    return np.stack([points[..., 0], points[..., 2], -points[..., 1]], axis=-1) + 0.0  # no negative zeros
+
+
+def glb(meshes: Sequence[Mesh]) -> bytes:
+    """A y-up binary glTF with one named node a mesh."""
+    document: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "maps/small/make.py"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(meshes)))}],
+        "nodes": [],
+        "meshes": [],
+        "accessors": [],
+        "bufferViews": [],
+    }
+    binary = bytearray()
+    for index, mesh in enumerate(meshes):
+        node: dict[str, Any] = {"name": mesh.name, "mesh": index}
+        if mesh.origin.any():
+            node["translation"] = y_up(mesh.origin).tolist()
+        document["nodes"].append(node)
+        attributes = {"POSITION": 2 * index}
+        primitive = {"attributes": attributes, "indices": 2 * index + 1, "mode": TRIANGLES}
+        document["meshes"].append({"name": mesh.name, "primitives": [primitive]})
+        _append_arrays(document, binary, mesh)
+    document["buffers"] = [{"byteLength": len(binary)}]
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(binary)
+    header = struct.pack("<4sII", b"glTF", 2, total)
+    chunks = (struct.pack("<II", len(data), kind) + data for data, kind in _chunks(text, bytes(binary)))
+    return header + b"".join(chunks)
+
+
+def _chunks(text: bytes, binary: bytes) -> tuple[tuple[bytes, int], tuple[bytes, int]]:
+    return (text, JSON_CHUNK), (binary, BINARY_CHUNK)
+
+
+def _append_arrays(document: dict[str, Any], binary: bytearray, mesh: Mesh) -> None:
+    positions = y_up(mesh.vertices).astype("<f4")
+    indices = mesh.faces.astype("<u2").ravel()
+    extent = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
+    arrays: list[tuple[Any, int, dict[str, Any]]] = [
+        (positions, VERTEX_BUFFER, {"componentType": FLOAT32, "type": "VEC3", **extent}),
+        (indices, INDEX_BUFFER, {"componentType": UINT16, "type": "SCALAR"}),
+    ]
+    for array, target, accessor in arrays:
+        data = array.tobytes()
+        view = {"buffer": 0, "byteOffset": len(binary), "byteLength": len(data), "target": target}
+        document["accessors"].append({"bufferView": len(document["bufferViews"]), "count": len(array), **accessor})
+        document["bufferViews"].append(view)
+        binary += data + b"\0" * (-len(data) % 4)

@@ -1,0 +1,3 @@
+"""reachtest: fuzzing for level geometry."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,65 @@
+"""The Protocols at the seams: what a new simulator, heuristic, observer or report output has to offer."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reachtest.records import Bools, Floats, Ints, Report, RoundRecord, StepResult
+
+
+class Simulator(Protocol):
+    """Simulates B agents that cannot touch each other; states are opaque rows of float64."""
+
+    @property
+    def agents(self) -> int:
+        """B."""
+
+    @property
+    def step_s(self) -> float:
+        """Simulated time of one agent step [s]."""
+
+    def place(self, positions: Floats) -> Floats:
+        """States [n, S] of agents standing still with their feet at `positions` [n, 3]."""
+
+    def restore(self, agents: Ints, states: Floats) -> None:
+        """Put `agents` [n] into `states` [n, S]."""
+
+    def save(self) -> Floats:
+        """The states [B, S] of all agents, enough to go on bit for bit."""
+
+    def step(self, actions: NDArray[np.int8]) -> StepResult:
+        """One agent step: `actions` [B, 2] = stick (0 centred, 1 to 8 by 45 degrees), jump (0 or 1)."""
+
+
+class ResetHeuristic(Protocol):
+    """eta of the paper: how promising each cached point is to restart from."""
+
+    def __call__(self, visits: Ints, goal_distance: Floats) -> Floats:
+        """Priorities [P] >= 0 from visit counts [P] and distances to the nearest open goal [P] [m].
+
+        `goal_distance` is infinite where no goal is left.
+        """
+
+
+class Surface(Protocol):
+    """The nav-mesh surface, asked for distances."""
+
+    def within(self, points: Floats, limit_m: float) -> Bools:
+        """Whether each of `points` [n, 3] lies within `limit_m` of the surface [n]."""
+
+
+class Observer(Protocol):
+    """Is told of every round while the exploration runs."""
+
+    def on_round(self, record: RoundRecord) -> None:
+        """Called after each round, in order, from one thread."""
+
+
+class ReportOutput(Protocol):
+    """Renders a report to one file."""
+
+    def __call__(self, report: Report) -> str:
+        """The whole text of the file."""

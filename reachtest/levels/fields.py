@@ -1,0 +1,92 @@
+"""Types of single values in `level.yaml`, each with its limits and its place in the JSON schema."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Callable, Iterable
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+
+from reachtest.levels.frames import UNITS
+
+FARTHEST = 1e7  # 100 km in centimetres: beyond it a number is a mistake, not a place
+
+
+class Spec(BaseModel):
+    """Base of everything in `level.yaml`: unknown keys are refused, and so are NaN and infinity."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+
+
+def nearest(word: str, words: Iterable[str]) -> str:
+    """A sentence that proposes the nearest of `words`, with its space; empty if none is near."""
+    by_fold = {other.lower(): other for other in words}
+    close = difflib.get_close_matches(word.lower(), list(by_fold), n=1, cutoff=0.5)
+    return f"did you mean {by_fold[close[0]]!r}? " if close else ""
+
+
+def one_of(values: Iterable[str]) -> Callable[[str], str]:
+    """A validator for a name out of `values`, which says what is near and what is valid."""
+    valid = list(values)
+
+    def check(value: str) -> str:
+        if value not in valid:
+            raise ValueError(f"{nearest(value, valid)}valid: {', '.join(valid)}")
+        return value
+
+    return check
+
+
+def name_of(values: Iterable[str]) -> Any:
+    """Annotations of a string field that takes one of `values`."""
+    valid = list(values)
+    return Annotated[str, AfterValidator(one_of(valid)), WithJsonSchema({"type": "string", "enum": valid})]
+
+
+def _units(value: Any) -> str | float:
+    if isinstance(value, str) and value in UNITS:
+        return value
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and 1e-6 <= value <= 1e4:
+        return float(value)
+    raise ValueError(f"must be one of {', '.join(UNITS)} or the length of a unit in metres (1e-6 to 10000)")
+
+
+_DURATION = re.compile(r"\s*(\d+(?:\.\d*)?)\s*([smh]?)\s*")
+_SECONDS = {"": 1.0, "s": 1.0, "m": 60.0, "h": 3600.0}
+
+
+def _duration(value: Any) -> float | None:
+    """Seconds of 90, "90s", "30m" or "2h"."""
+    if value is None:
+        return None
+    match = None if isinstance(value, bool) else _DURATION.fullmatch(str(value))
+    seconds = float(match[1]) * _SECONDS[match[2]] if match else 0.0
+    if not 0 < seconds <= 30 * 86_400:
+        raise ValueError("must be a time above 0 and up to 30 days, such as 90, 90s, 30m or 2h")
+    return seconds
+
+
+Number = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST)]
+Length = Annotated[float, Field(gt=0, le=FARTHEST)]
+Point = tuple[Number, Number, Number]
+Size = tuple[Length, Length, Length]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+Units = Annotated[
+    str | float,
+    PlainValidator(_units),
+    WithJsonSchema({"anyOf": [{"enum": list(UNITS)}, {"type": "number", "minimum": 1e-6, "maximum": 1e4}]}),
+]
+Duration = Annotated[
+    float | None,
+    PlainValidator(_duration),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "number", "exclusiveMinimum": 0},
+                {"type": "string", "pattern": r"^\d+(\.\d*)?[smh]?$"},
+            ]
+        }
+    ),
+]

@@ -1,0 +1,310 @@
+"""`level.yaml`, version 1, as pydantic models: every key with its meaning, unit and limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic import Field, GetJsonSchemaHandler, create_model, field_validator, model_validator
+from pydantic_core import CoreSchema
+
+from reachtest.levels.fields import Duration, Name, Number, Point, Spec, Units, name_of
+from reachtest.levels.frames import UP_AXES
+from reachtest.levels.presets import DEFAULTS, PRESETS
+from reachtest.levels.primitives import PRIMITIVES, AlignedBox
+from reachtest.records import KINDS, Character, ExploreSettings
+
+FAIL_ON = ("unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "required_unreached")
+_EXPLORE = ExploreSettings()
+
+if TYPE_CHECKING:
+    UpAxis = PresetName = Kind = ZoneKind = str
+else:  # the tables' keys, as types
+    UpAxis, PresetName, Kind = name_of(UP_AXES), name_of(PRESETS), name_of(KINDS)
+    ZoneKind = name_of(("forbidden", "allowed_off_mesh"))
+
+
+def _either(shorthand: dict[str, Any], schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    return {"anyOf": [shorthand, handler(schema)]}
+
+
+class FrameSpec(Spec):
+    """Axes and units of every position in this file; the default for its meshes."""
+
+    up_axis: UpAxis = Field("z", description="The axis that points up: y or z. Right-handed.")
+    units: Units = Field("m", description="m, cm, mm, in, ft, or the length of one unit in metres.")
+
+
+class MeshSpec(Spec):
+    """A mesh file and how to read its numbers."""
+
+    mesh: Name | None = Field(None, description="Mesh file, relative to this file.")
+    up_axis: UpAxis | None = Field(
+        None, description="The axis that points up in the mesh. Default: y for glTF, else the frame's."
+    )
+    units: Units | None = Field(None, description="Units of the mesh. Default: the frame's.")
+    scale: float = Field(1.0, gt=0, le=1e6, description="Factor on the mesh's numbers.")
+    flip_x: bool = Field(False, description="Mirror x: for meshes from left-handed exporters.")
+    nodes: tuple[Name, ...] | None = Field(
+        None, min_length=1, description="Names of the scene nodes to use, with * and ?. Default: all."
+    )
+
+
+class GeometryBase(MeshSpec):
+    """One piece of the level: a mesh file or one primitive."""
+
+    name: Name | None = Field(None, description="What reports call the place.")
+    role: Literal["collision", "solid", "both"] = Field(
+        "collision",
+        description="collision: the character collides with it; solid: a closed volume nobody may get into; both.",
+    )
+
+    @property
+    def shape(self) -> str:
+        """`mesh` or the kind of primitive."""
+        return next(kind for kind in ("mesh", *PRIMITIVES) if getattr(self, kind) is not None)
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> GeometryBase:
+        kinds = ("mesh", *PRIMITIVES)
+        given = [kind for kind in kinds if getattr(self, kind) is not None]
+        if len(given) != 1:
+            raise ValueError(f"must have exactly one of {', '.join(kinds)}; has {', '.join(given) or 'none'}")
+        if (
+            extra := (self.model_fields_set & MeshSpec.model_fields.keys()) - {"mesh"}
+            if given != ["mesh"]
+            else None
+        ):
+            raise ValueError(f"{', '.join(sorted(extra))} can only go with 'mesh'; {given[0]} uses the frame")
+        return self
+
+
+if TYPE_CHECKING:
+    GeometrySpec = GeometryBase
+else:
+    GeometrySpec = create_model(
+        "GeometrySpec",
+        __base__=GeometryBase,
+        __doc__=GeometryBase.__doc__,
+        **{
+            kind: (primitive.spec | None, Field(None, description=primitive.description))
+            for kind, primitive in PRIMITIVES.items()
+        },
+    )
+
+
+class NavMeshSpec(MeshSpec):
+    """The game's navigation mesh."""
+
+    mesh: Name = Field(description="Nav-mesh file, relative to this file.")
+
+
+def _number(text: str, *, above: float | None = None, least: float | None = None, most: float) -> Any:
+    return Field(None, gt=above, ge=least, le=most, description=text)
+
+
+class CharacterSpec(Spec):
+    """The capsule and its movement rules: a preset, single numbers over a preset, or all numbers."""
+
+    preset: PresetName | None = Field(None, description="Start from an engine's defaults.")
+    radius_m: float | None = _number("Radius of the capsule [m].", above=0, most=100)
+    height_m: float | None = _number("Full height of the capsule [m].", above=0, most=1000)
+    walk_speed_mps: float | None = _number("Fastest speed on the ground [m/s].", above=0, most=100)
+    jump_speed_mps: float | None = _number("Upward speed of a jump [m/s]; 0: no jump.", least=0, most=100)
+    step_height_m: float | None = _number("Highest step walked up [m].", least=0, most=100)
+    slope_limit_deg: float | None = _number("Steepest slope walked up [deg].", above=0, most=89)
+    gravity_mps2: float | None = _number("Gravity [m/s2], downwards.", above=0, most=1000)
+    terminal_speed_mps: float | None = _number("Fastest fall [m/s].", above=0, most=1000)
+    acceleration_mps2: float | None = _number("Acceleration on the ground [m/s2].", above=0, most=10_000)
+    braking_mps2: float | None = _number("Deceleration without input [m/s2].", above=0, most=10_000)
+    ground_friction: float | None = _number(
+        "How fast the velocity turns to the input [1/s].", least=0, most=1000
+    )
+    air_control: float | None = _number("Share of the acceleration available in the air.", least=0, most=1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name(cls, value: Any) -> Any:
+        return {"preset": value} if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _complete(self) -> CharacterSpec:
+        numbers = self._numbers()
+        if missing := [key for key in Character.__dataclass_fields__ if key not in numbers]:
+            raise ValueError(f"without a preset it must also have {', '.join(missing)}")
+        if numbers["height_m"] < 2 * numbers["radius_m"]:
+            raise ValueError("a capsule's height_m must be at least twice its radius_m")
+        return self
+
+    def _numbers(self) -> dict[str, float]:
+        base = vars(PRESETS[self.preset]) if self.preset else DEFAULTS
+        return {**base, **self.model_dump(exclude={"preset"}, exclude_none=True)}
+
+    def character(self) -> Character:
+        """The character these numbers describe."""
+        return Character(**self._numbers())
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return _either({"type": "string", "enum": list(PRESETS)}, schema, handler)
+
+
+class SpawnSpec(Spec):
+    """Where the player starts."""
+
+    name: Name | None = Field(None, description="What reports call the spawn.")
+    position: Point = Field(description="Position of the feet, in the frame's axes and units.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bare(cls, value: Any) -> Any:
+        return {"position": value} if isinstance(value, (list, tuple)) else value
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        numbers = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+        return _either(numbers, schema, handler)
+
+
+class BoundsSpec(Spec):
+    """Outside of this box the character has left the world. Level axes: z up, metres."""
+
+    low: Point = Field(description="Lowest corner [m].")
+    high: Point = Field(description="Highest corner [m].")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> BoundsSpec:
+        if not all(low < high for low, high in zip(self.low, self.high, strict=True)):
+            raise ValueError("low must be below high in x, y and z")
+        return self
+
+
+class ZoneSpec(Spec):
+    """A box with a meaning."""
+
+    name: Name = Field(description="What reports call the zone.")
+    kind: ZoneKind = Field(
+        description="forbidden: getting in is a finding; allowed_off_mesh: leaving the nav-mesh here is none."
+    )
+    box: AlignedBox = Field(description="The zone's box.")
+
+
+class RequiredSpec(Spec):
+    """A place that must be reached."""
+
+    name: Name = Field(description="What reports call the place.")
+    position: Point = Field(description="Position, in the frame's axes and units.")
+    within_m: float = Field(1.0, gt=0, le=1000, description="How near counts as reached [m].")
+
+
+class ExploreSpec(Spec):
+    """How to explore."""
+
+    agents: int = Field(_EXPLORE.agents, ge=1, le=4096, description="Characters simulated side by side.")
+    steps: int = Field(_EXPLORE.steps, ge=1, le=10**11, description="Budget [agent steps], over all agents.")
+    time_budget: Duration = Field(
+        None, description="Budget of wall-clock time: 90, 90s, 30m, 2h. Default: none."
+    )
+    time_budget_s: float | None = Field(None, gt=0, le=30 * 86_400, description="The same [s].")
+    # Steps of a round are kept as 16-bit numbers.
+    reset_interval: int = Field(
+        _EXPLORE.reset_interval, ge=1, le=32_767, description="Episode [agent steps]."
+    )
+    threshold_m: float = Field(
+        _EXPLORE.threshold_m, gt=0, le=100, description="K: distance of cached points [m]."
+    )
+    physics_hz: float = Field(
+        _EXPLORE.physics_hz, ge=10, le=10_000, description="Physics steps a second [Hz]."
+    )
+    action_repeat: int = Field(
+        _EXPLORE.action_repeat, ge=1, le=1000, description="Physics steps an action is held."
+    )
+    heuristics: dict[str, float] = Field(
+        _EXPLORE.heuristics, min_length=1, description="Weights >= 0 of the reset heuristics, by name."
+    )
+    power: float = Field(_EXPLORE.power, ge=0, le=100, description="Exponent on the priorities; 0: uniform.")
+    goal_spacing_m: float = Field(
+        _EXPLORE.goal_spacing_m, gt=0, le=1000, description="Distance of goals [m]."
+    )
+    goal_radius_m: float = Field(
+        _EXPLORE.goal_radius_m, gt=0, le=1000, description="How near drains a goal [m]."
+    )
+    expected_within_m: float = Field(
+        _EXPLORE.expected_within_m,
+        gt=0,
+        le=1000,
+        description="Beyond this from the nav-mesh is unexpected [m].",
+    )
+
+    @field_validator("heuristics")
+    @classmethod
+    def _weights(cls, value: dict[str, float]) -> dict[str, float]:
+        if not all(0 <= weight <= 1e6 for weight in value.values()) or not sum(value.values()):
+            raise ValueError("every weight must be between 0 and 1e6, and not all of them 0")
+        return value
+
+    @model_validator(mode="after")
+    def _one_budget(self) -> ExploreSpec:
+        if self.time_budget is not None and self.time_budget_s is not None:
+            raise ValueError("give either time_budget or time_budget_s")
+        return self
+
+    def settings(self) -> ExploreSettings:
+        """The settings these values mean."""
+        values = self.model_dump(exclude={"time_budget", "time_budget_s"})
+        budget = self.time_budget if self.time_budget is not None else self.time_budget_s
+        return ExploreSettings(**values, time_budget_s=budget)
+
+
+class GateSpec(Spec):
+    """What fails the run, and what a pass needs."""
+
+    fail_on: tuple[Kind, ...] = Field(
+        FAIL_ON, description="Kinds of findings that fail the run; [] for none."
+    )
+    min_goals_reached: float = Field(1.0, ge=0, le=1, description="Share of the goals a pass needs.")
+    max_discovery_probability: float | None = Field(
+        None,
+        ge=0,
+        le=1,
+        description="A pass needs the probability of finding something new at or below this.",
+    )
+
+
+class LevelSpec(Spec):
+    """A level and how to test it."""
+
+    version: Literal[1] = Field(description="Version of this format: 1.")
+    name: str | None = Field(
+        None,
+        min_length=1,
+        max_length=100,
+        pattern=r"^[^/\\\x00]+$",
+        description="Default: the folder's name.",
+    )
+    frame: FrameSpec = Field(FrameSpec(), description="Axes and units of every position in this file.")
+    geometry: tuple[GeometrySpec, ...] = Field(min_length=1, description="What the level is made of.")
+    navmesh: NavMeshSpec = Field(description="Where the game thinks the character can walk.")
+    character: CharacterSpec = Field(description="Who explores: a preset's name, or numbers.")
+    spawns: tuple[SpawnSpec, ...] = Field(min_length=1, description="Where the player starts.")
+    kill_z_m: Number | None = Field(
+        None, description="Below this level z [m] the character fell out. Default: 10 m below the geometry."
+    )
+    bounds_m: BoundsSpec | None = Field(None, description="Default: the geometry's box grown by 50 m.")
+    zones: tuple[ZoneSpec, ...] = Field((), description="Boxes with a meaning.")
+    required: tuple[RequiredSpec, ...] = Field((), description="Places that must be reached.")
+    explore: ExploreSpec = Field(ExploreSpec(), description="How to explore.")
+    gate: GateSpec = Field(GateSpec(), description="What fails the run.")
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema of `level.yaml` version 1, for editors."""
+    schema = LevelSpec.model_json_schema(by_alias=True)
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **schema,
+        "title": "reachtest level.yaml",
+    }

@@ -1,0 +1,351 @@
+"""The records that cross between stages: frozen, with shapes and units.
+
+Shape legend: B agents, T agent steps of one round, P cached points, S spawns, G goals, F triangles.
+Positions are the character's *feet* in level coordinates: metres, z up, float64, unless said otherwise.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+# --- the level ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The axes and units in which a file states its positions.
+
+    `matrix` [3, 3] takes source coordinates to level coordinates (metres, z up).
+    """
+
+    matrix: Floats
+    up_axis: str
+    units: str
+
+    def to_level(self, points: Floats) -> Floats:
+        """Source coordinates [..., 3] to level coordinates [..., 3] [m]."""
+        return np.asarray(points, dtype=np.float64) @ self.matrix.T
+
+    def to_source(self, points: Floats) -> Floats:
+        """Level coordinates [..., 3] [m] to source coordinates [..., 3]."""
+        return np.asarray(points, dtype=np.float64) @ np.linalg.inv(self.matrix).T
+
+
+@dataclass(frozen=True)
+class Character:
+    """The capsule and its movement rules."""
+
+    radius_m: float
+    height_m: float
+    walk_speed_mps: float
+    jump_speed_mps: float
+    step_height_m: float
+    slope_limit_deg: float
+    gravity_mps2: float
+    terminal_speed_mps: float
+    acceleration_mps2: float
+    braking_mps2: float
+    ground_friction: float  # [1/s] how fast the velocity turns towards the stick
+    air_control: float  # fraction of the acceleration available in the air
+
+
+@dataclass(frozen=True)
+class Part:
+    """A named piece of the level: what a designer would call the place."""
+
+    name: str
+    low: Floats  # [3]
+    high: Floats  # [3]
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A closed surface that nobody may get into."""
+
+    name: str
+    triangles: Floats  # [F, 3, 3]
+
+
+@dataclass(frozen=True)
+class NavMesh:
+    """The walkable surface as the game's own path-finding has it."""
+
+    file: str
+    vertices: Floats  # [V, 3]
+    faces: Ints  # [F, 3]
+
+    @property
+    def triangles(self) -> Floats:
+        """Corner positions [F, 3, 3]."""
+        return self.vertices[self.faces]
+
+
+@dataclass(frozen=True)
+class Spawn:
+    """A place where the player starts, feet on the ground."""
+
+    name: str
+    position: Floats  # [3]
+
+
+@dataclass(frozen=True)
+class Zone:
+    """An axis-aligned box with a meaning: `forbidden` or `allowed_off_mesh`."""
+
+    name: str
+    kind: str
+    low: Floats  # [3]
+    high: Floats  # [3]
+
+
+@dataclass(frozen=True)
+class Required:
+    """A place that must be reached for the level to pass."""
+
+    name: str
+    position: Floats  # [3]
+    within_m: float
+
+
+@dataclass(frozen=True)
+class ExploreSettings:
+    """How to explore; defaults are the paper's where it states one."""
+
+    agents: int = 16
+    steps: int = 200_000  # [agent steps], over all agents
+    time_budget_s: float | None = None
+    reset_interval: int = 128  # [agent steps]
+    threshold_m: float = 1.0  # K
+    physics_hz: float = 60.0
+    action_repeat: int = 8  # [physics steps an agent step]
+    heuristics: dict[str, float] = field(default_factory=lambda: {"visits": 0.5, "goals": 0.5})
+    power: float = 1.0
+    goal_spacing_m: float = 4.0
+    goal_radius_m: float = 1.0
+    expected_within_m: float = 3.0
+
+
+@dataclass(frozen=True)
+class GateSettings:
+    """What makes the run fail, and what a pass needs."""
+
+    fail_on: tuple[str, ...]
+    min_goals_reached: float = 1.0
+    max_discovery_probability: float | None = None
+
+
+@dataclass(frozen=True)
+class Level:
+    """Everything `level.yaml` names, in level coordinates."""
+
+    name: str
+    file: Path
+    sha256: str  # of level.yaml and every file it names
+    frame: Frame
+    collision: Floats  # [F, 3, 3], outward normal by the right-hand rule where the source has one
+    solids: tuple[Solid, ...]
+    parts: tuple[Part, ...]
+    navmesh: NavMesh
+    character: Character
+    spawns: tuple[Spawn, ...]
+    kill_z_m: float
+    bounds: tuple[Floats, Floats]  # low [3], high [3]
+    zones: tuple[Zone, ...]
+    required: tuple[Required, ...]
+    explore: ExploreSettings
+    gate: GateSettings
+
+
+# --- the exploration ------------------------------------------------------------------------------
+
+
+class StopReason(enum.Enum):
+    """Why the exploration ended, with the sentence for the report."""
+
+    STEPS = "the step budget was used up"
+    TIME = "the time budget was used up"
+    INTERRUPTED = "interrupted (SIGINT)"
+    TERMINATED = "terminated (SIGTERM)"
+
+
+class EndReason(enum.IntEnum):
+    """How an agent step left the agent."""
+
+    ALIVE = 0
+    FELL = 1  # below kill_z_m or outside the bounds
+    DIVERGED = 2  # NaN, simulator warning or error: never becomes a position
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """What one agent step of every agent gave."""
+
+    positions: Floats  # [B, 3]
+    grounded: Bools  # [B]
+    ended: NDArray[np.int8]  # [B] EndReason
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a position came from: enough to re-simulate it.
+
+    The episode restored cached point `parent` (or spawn -1 - parent, if negative) at step `start` of round
+    `round`, and agent `agent` then took the actions `start + 1 ... step` of its stream.
+    """
+
+    parent: int
+    round: int
+    agent: int
+    start: int  # [agent steps] into the round
+    step: int  # [agent steps] into the round
+
+
+@dataclass(frozen=True)
+class Fall:
+    """One episode that left the world."""
+
+    origin: Origin
+    position: Floats  # [3] where it crossed the limit
+    footing: Floats  # [3] where the character last stood
+    exit_point: Floats  # [3] the last expected position before; NaN if none is known
+
+
+@dataclass(frozen=True)
+class Points:
+    """The position cache as arrays, row by row in order of discovery."""
+
+    positions: Floats  # [P, 3]
+    states: Floats  # [P, S] what the simulator needs to go on bit for bit
+    grounded: Bools  # [P]
+    parent: NDArray[np.int32]  # [P] cached point the episode started from; -1 - i for spawn i
+    round: NDArray[np.int32]  # [P]
+    agent: NDArray[np.int16]  # [P]
+    start: NDArray[np.int16]  # [P]
+    step: NDArray[np.int16]  # [P]
+    expected: Bools  # [P]
+    exit_point: Floats  # [P, 3] the last expected position before an unexpected one; NaN if expected
+
+    def origin(self, index: int) -> Origin:
+        """Where point `index` came from."""
+        fields = (self.parent, self.round, self.agent, self.start, self.step)
+        return Origin(*(int(column[index]) for column in fields))
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+@dataclass(frozen=True)
+class RoundRecord:
+    """What one round brought: handed to observers (progress, MCAP log) while the run goes on."""
+
+    round: int
+    agent_steps: int  # [agent steps] so far, over all agents
+    sim_time_s: float  # simulated time at the end of the round, one agent's
+    trajectories: Floats  # [T, B, 3]; NaN where an agent step gave no position
+    new_points: Floats  # [n, 3]
+    new_expected: Bools  # [n]
+    points: int  # cached so far
+    goals_reached: int
+    goals_total: int
+    falls: int  # so far
+
+
+@dataclass(frozen=True)
+class Exploration:
+    """Everything the exploration found."""
+
+    points: Points
+    visits: Ints  # [P] episodes that visited the point's cell
+    goals: Floats  # [G, 3]
+    goal_step: Ints  # [G] agent step at which it was reached; -1 if it was not
+    falls: tuple[Fall, ...]
+    agent_steps: int
+    episodes: int
+    diverged_episodes: int
+    cells_once: int  # Q1: cells visited by exactly one episode
+    cells_twice: int  # Q2
+    cells_total: int
+    stop_reason: StopReason
+    seed: int
+    settings: ExploreSettings
+    timing: dict[str, float]  # physics_s, cache_s, rest_s, wall_s
+
+
+# --- findings and report --------------------------------------------------------------------------
+
+KINDS = (
+    "unexpected_area",
+    "fell_out_of_world",
+    "inside_solid",
+    "forbidden_zone",
+    "stuck",
+    "no_return",
+    "unreached_area",
+    "required_unreached",
+    "navmesh_mismatch",
+)
+
+
+@dataclass(frozen=True)
+class ReplayPath:
+    """The way to a finding, re-simulated: episode by episode from a spawn."""
+
+    start: Floats  # [3]
+    episodes: tuple[Origin, ...]
+    positions: Floats  # [N, 3] every agent step
+    duration_s: float
+    attempts: int
+    succeeded: int
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One bug for one human to look at."""
+
+    id: str  # stable: the same bug has the same id whatever the seed finds first
+    kind: str
+    severity: str  # "error" | "warning"
+    gating: bool
+    title: str
+    position: Floats  # [3]
+    low: Floats  # [3]
+    high: Floats  # [3]
+    points: int
+    exit_point: Floats | None  # [3]
+    nearest_named: str | None
+    first_seen_step: int | None
+    path: ReplayPath | None
+    suppressed_by: str | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The outcome of a run."""
+
+    name: str  # "pass" | "fail" | "inconclusive"
+    exit_code: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Report:
+    """What every report output is written from."""
+
+    level: Level
+    exploration: Exploration
+    findings: tuple[Finding, ...]
+    verdict: Verdict
+    tool_version: str
+    started_at: str  # ISO 8601
+    document: dict[str, Any]  # report.json, as the contract has it

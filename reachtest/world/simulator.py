@@ -1,0 +1,214 @@
+"""B characters in one MuJoCo batch: plan, step, then the corrections a capsule on joints cannot make by itself.
+
+Shape legend: B agents, n chosen agents. Positions are the feet.
+A state row is position [3], velocity [3], footing [1]: the footing is 0 in the air, 1 on the ground, and 1 + k
+while a step up is under way and has k control ticks left to find its ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+from mujoco import batch
+from numpy.typing import NDArray
+
+from reachtest.geometry import ColumnIndex
+from reachtest.interfaces import Simulator
+from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
+from reachtest.world.controller import BLOCKED_COS, STICK_DIRECTIONS, Contacts, Controller, Plan, read_contacts
+from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, MASS_KG, build_model
+
+STATE_SIZE = 7
+OVERLAP_M = 0.02  # deeper than any resting contact: a place that overlaps more is not free
+STEP_TICKS = 8  # long enough for a capsule to get from the foot of a step onto it at a quarter of walking speed
+_FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached, at no extra cost
+
+
+class MujocoSimulator:
+    """Meets `interfaces.Simulator`."""
+
+    def __init__(self, level: Level, agents: int, threads: int = 0) -> None:
+        """Compile the level for `agents` characters; `threads` 0 takes every core."""
+        self.character = level.character
+        self._dt = 1.0 / level.explore.physics_hz
+        self._repeat = level.explore.action_repeat
+        self._kill_z = level.kill_z_m
+        self._bounds = level.bounds
+        self._columns = ColumnIndex(level.collision, min_normal_z=0.05)
+        self._controller = Controller(level.character, self._dt)
+        model = build_model(level.collision, level.character, self._dt)
+        self._batch = batch.Batch(model, agents, nthread=threads, persistent=True)
+        self._position: Floats = self._batch.bind("qpos")
+        self._velocity: Floats = self._batch.bind("qvel")
+        self._force: Floats = self._batch.bind("qfrc_applied")
+        self._sensor: Floats = self._batch.bind("sensordata").reshape(agents, CONTACT_SLOTS, CONTACT_FIELDS)
+        self._footing = np.zeros(agents)
+        self._failed = np.zeros(agents, dtype=np.bool_)
+        self._batch.reset()
+        self._contacts = self._read()
+
+    @property
+    def agents(self) -> int:
+        """B."""
+        return len(self._footing)
+
+    @property
+    def step_s(self) -> float:
+        """Simulated time of one agent step [s]."""
+        return self._dt * self._repeat
+
+    def place(self, positions: Floats) -> Floats:
+        """States [n, 7] standing still at `positions` [n, 3]."""
+        states = np.zeros((len(positions), STATE_SIZE))
+        states[:, :3] = positions
+        return states
+
+    def restore(self, agents: Ints, states: Floats) -> None:
+        """Put `agents` [n] into `states` [n, 7]."""
+        self._batch.warning[agents] = 0
+        self._position[agents] = states[:, :3]
+        self._velocity[agents] = states[:, 3:6]
+        self._force[agents] = 0.0
+        self._footing[agents] = states[:, 6]
+        self._failed[agents] = False
+        self._refresh(agents)
+
+    def save(self) -> Floats:
+        """The states [B, 7] of all agents."""
+        return np.concatenate([self._position, self._velocity, self._footing[:, None]], axis=1)
+
+    def step(self, actions: NDArray[np.int8]) -> StepResult:
+        """One agent step with `actions` [B, 2]: stick (0 to 8) and jump (0 or 1)."""
+        wish = STICK_DIRECTIONS[actions[:, 0]]
+        jump = actions[:, 1] > 0
+        for _ in range(self._repeat):
+            self._tick(wish, jump)
+        return StepResult(self._position.copy(), self._footing > 0, self._ended())
+
+    def overlaps(self, positions: Floats) -> Floats:
+        """How deep a character standing at each of `positions` [n, 3] sinks into the level [n] [m]."""
+        kept = self.save()
+        depth = np.empty(len(positions))
+        for begin in range(0, len(positions), self.agents):
+            some = positions[begin : begin + self.agents]
+            ids = np.arange(len(some))
+            self.restore(ids, self.place(some))
+            depth[begin : begin + len(some)] = np.maximum(-self._deepest()[: len(some)], 0.0)
+        self.restore(np.arange(self.agents), kept)
+        return depth
+
+    # --- one control tick -------------------------------------------------------------------------
+
+    def _tick(self, wish: Floats, jump: Bools) -> None:
+        before = self._footing > 0
+        plan = self._controller.plan(self._velocity, self._contacts, before, wish, jump)
+        np.multiply(plan.velocity - self._velocity, MASS_KG / self._dt, out=self._force)
+        self._force[:, 2] += MASS_KG * self.character.gravity_mps2
+        self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
+        self._contacts = contacts = self._read()
+        walked = before & ~plan.jumped
+        stands = self._controller.grounded(self._velocity, contacts, walked)
+        self._limit_boost(plan, contacts, walked, stands)
+        stepping = np.where(walked, np.maximum(self._footing - 1.0, 0.0), 0.0)
+        self._footing = np.where(stands, 1.0, stepping)
+        if self.character.step_height_m > 0:
+            self._step_up(plan, contacts, walked & (wish != 0).any(axis=1))
+            self._snap_down(contacts, walked & (self._footing == 0))
+
+    def _limit_boost(self, plan: Plan, contacts: Contacts, walked: Bools, stands: Bools) -> None:
+        """No throw without a jump: walking off a crest starts at rest, a steep surface only slows a fall."""
+        allowed = np.where(walked, 0.0, np.maximum(plan.velocity[:, 2], 0.0))
+        boosted = ~stands & (walked | contacts.blocking.any(axis=1)) & (self._velocity[:, 2] > allowed)
+        if boosted.any():
+            self._velocity[boosted, 2] = allowed[boosted]
+
+    def _step_up(self, plan: Plan, contacts: Contacts, may: Bools) -> None:
+        """Lift onto a ledge no higher than the step height, where there is room and walkable ground."""
+        pressing = (plan.uncut[:, None, :] * contacts.flat).sum(axis=2)
+        speed = np.sqrt((plan.uncut * plan.uncut).sum(axis=1))
+        worst = pressing.argmin(axis=1)
+        ids = np.flatnonzero(may & (pressing.min(axis=1) < -BLOCKED_COS * speed) & (speed > 0.1))
+        if not len(ids):
+            return
+        c = self.character
+        feet = self._position[ids]
+        ahead = feet.copy()
+        ahead[:, :2] -= contacts.flat[ids, worst[ids]] * (c.radius_m + 0.06)
+        ledge, slope = self._columns.highest(ahead, -0.02, c.step_height_m + 0.005)
+        good = np.isfinite(ledge) & (slope >= self._controller.slope_cos)
+        ids, ledge = ids[good], ledge[good]
+        lifted = self._position[ids]
+        lifted[:, 2] = ledge + 0.005
+        moved = self._velocity[ids]
+        moved[:, :2], moved[:, 2] = plan.uncut[ids], 0.0
+        self._footing[self._try_place(ids, lifted, moved)] = 1.0 + STEP_TICKS
+
+    def _snap_down(self, contacts: Contacts, may: Bools) -> None:
+        """Keep a walking character on ground that falls away by no more than the step height."""
+        ids = np.flatnonzero(may & (self._velocity[:, 2] < 0.5))
+        if not len(ids):
+            return
+        c = self.character
+        feet = self._position[ids]
+        ground, slope = self._columns.highest(feet, 1.5 * c.step_height_m + 0.1, 0.05)
+        # A sphere resting on a plane touches it uphill of its lowest point, which therefore hangs above.
+        target = ground + c.radius_m * (1.0 / np.maximum(slope, 1e-3) - 1.0)
+        drop = feet[:, 2] - target
+        good = np.isfinite(ground) & (slope >= self._controller.slope_cos) & (drop > -0.02)
+        good &= drop <= c.step_height_m
+        ids = ids[good]
+        lowered = feet[good]
+        lowered[:, 2] = target[good]
+        still = self._velocity[ids]
+        still[:, 2] = 0.0
+        self._footing[self._try_place(ids, lowered, still, on_ground=True)] = 1.0
+
+    def _try_place(self, ids: Ints, positions: Floats, velocities: Floats, on_ground: bool = False) -> Ints:
+        """Move agents [n] where there is room (and ground, if asked); returns those that moved."""
+        if not len(ids):
+            return ids
+        kept = self._position[ids], self._velocity[ids]
+        self._position[ids], self._velocity[ids] = positions, velocities
+        self._refresh(ids)
+        free = self._deepest()[ids] > -OVERLAP_M
+        if on_ground:
+            free &= self._contacts.walkable[ids].any(axis=1)
+        back = ids[~free]
+        if len(back):
+            self._position[back], self._velocity[back] = kept[0][~free], kept[1][~free]
+            self._refresh(back)
+        return ids[free]
+
+    # --- the batch --------------------------------------------------------------------------------
+
+    def _refresh(self, ids: Ints) -> None:
+        """Contacts of states that were written from outside."""
+        self._call(lambda: self._batch.forward(ids, stage=_FRESH))
+        self._contacts = self._read()
+
+    def _read(self) -> Contacts:
+        return read_contacts(self._sensor, self._controller.slope_cos)
+
+    def _deepest(self) -> Floats:
+        """Signed distance [B] of the closest contact; positive where there is none."""
+        found = self._sensor[:, 0, 0] > 0
+        return np.where(found, self._sensor[:, 0, 1], np.inf)
+
+    def _call(self, run: Callable[[], None]) -> None:
+        try:
+            run()
+        except batch.SimulationError as error:
+            self._failed[error.ids] = True
+
+    def _ended(self) -> NDArray[np.int8]:
+        position = self._position
+        low, high = self._bounds
+        finite = np.isfinite(position).all(axis=1) & np.isfinite(self._velocity).all(axis=1)
+        diverged = self._failed | ~finite | (self._batch.warning[:, :, 1] > 0).any(axis=1)
+        fell = (position[:, 2] < self._kill_z) | (position < low).any(axis=1) | (position > high).any(axis=1)
+        return np.where(diverged, EndReason.DIVERGED, np.where(fell, EndReason.FELL, EndReason.ALIVE)).astype(np.int8)
+
+
+SIMULATORS: dict[str, Callable[[Level, int, int], Simulator]] = {"mujoco": MujocoSimulator}
