@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.records import Bools, Floats, Ints, Report, RoundRecord, StepResult
+from reachtest.records import Bools, Fall, Floats, Ints, ReplayPath, Report, RoundRecord, StepResult
 
 
 class Simulator(Protocol):
@@ -49,6 +49,16 @@ class Surface(Protocol):
 
     def within(self, points: Floats, limit_m: float) -> Bools:
         """Whether each of `points` [n, 3] lies within `limit_m` of the surface [n]."""
+
+
+class Replayer(Protocol):
+    """Re-simulates the way to what was found."""
+
+    def path_to_point(self, index: int) -> ReplayPath:
+        """The way from a spawn to cached point `index`."""
+
+    def path_to_fall(self, fall: Fall) -> ReplayPath:
+        """The way from a spawn out of the world."""
 
 
 class Observer(Protocol):

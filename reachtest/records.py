@@ -269,6 +269,7 @@ class Exploration:
     visits: Ints  # [P] episodes that visited the point's cell
     goals: Floats  # [G, 3]
     goal_step: Ints  # [G] agent step at which it was reached; -1 if it was not
+    required_step: Ints  # likewise for the level's required points, in their order
     falls: tuple[Fall, ...]
     agent_steps: int
     episodes: int
@@ -280,6 +281,21 @@ class Exploration:
     seed: int
     settings: ExploreSettings
     timing: dict[str, float]  # physics_s, cache_s, rest_s, wall_s
+
+    @property
+    def discovery_probability(self) -> float:
+        """Bound on the probability that the next episode finds a new cell: min(1, Q1 / t).
+
+        Good-Turing for incidence data (Boehme, STADS, TOSEM 2018); an estimate, since sampling is adaptive.
+        """
+        return min(1.0, self.cells_once / max(self.episodes, 1))
+
+    @property
+    def estimated_cells_total(self) -> float:
+        """Lower bound on the cells that exist: Chao2, with the episode as the unit of sampling."""
+        once, twice, episodes = self.cells_once, self.cells_twice, max(self.episodes, 1)
+        unseen = once**2 / (2 * twice) if twice else once * (once - 1) / 2
+        return self.cells_total + (episodes - 1) / episodes * unseen
 
 
 # --- findings and report --------------------------------------------------------------------------

@@ -1,8 +1,8 @@
 """The pieces of the small map as one fixed table, in level coordinates (metres; x east, y north, z up).
 
-Nothing that can be stood on without being on the nav-mesh is higher than 2.05 m, because a jump (apex 0.90 m) from
-there stays within 3 m of the floor. The keep, 3 m high, stands on a terrace wide enough to catch its jumpers.
-Walls, towers, pillars and the monolith are too high to be reached from anything near them.
+What can be stood on is at most 2 m high, because a jump (apex 0.90 m) from there stays within 3 m of the
+floor; only the keep is 3 m high, and stands on a terrace wide enough to catch its jumpers. Walls, towers,
+pillars and the monolith are too high to be reached from anything near them.
 `tests/unit/maps/test_small_map.py` proves both.
 """
 
@@ -22,8 +22,8 @@ STEP_TREAD_M = 0.5
 class Piece:
     """One named piece of geometry inside the box `low` to `high` [m].
 
-    `kind`: `block` (an obstacle), `platform` and `bridge` (walkable on top), `ramp` and `stairs` (walkable, rising
-    towards `uphill`). `on_navmesh` is false for a piece that the nav-mesh builder took for an obstacle.
+    `kind`: `block` (an obstacle), `platform` and `bridge` (walkable on top), `ramp` and `stairs` (walkable,
+    rising towards `uphill`). `on_navmesh` is false for a slope that the nav-mesh has as an obstacle.
     """
 
     name: str
@@ -50,7 +50,7 @@ def _pillar(number: int, x: float, y: float) -> Piece:
 
 FLOOR = Piece("floor", "platform", (-50, -50, -0.5), (50, 50, 0))
 
-# Outer walls 4 m high and 1 m thick. The corner towers stop whoever gets onto one wall from walking round to the next.
+# Outer walls 4 m high and 1 m thick. The towers keep whoever gets onto one wall from walking to the next.
 BOUNDARY = (
     _block("south wall", (-46, 46), (-50, -49), 4),
     _block("north wall", (-46, 46), (49, 50), 4),
@@ -65,23 +65,23 @@ BOUNDARY = (
 KEEP = (
     Piece("keep terrace", "platform", (-7, 15, 0), (7, 29, 1.5)),
     Piece("keep top", "platform", (-3, 19, 1.5), (3, 25, 3.0)),
-    Piece("keep ramp", "ramp", (-1.5, 11.5, 0), (1.5, 15, 1.5), "+y"),
-    Piece("keep upper ramp", "ramp", (-6, 21, 1.5), (-3, 23, 3.0), "+x"),
-    Piece("keep stairs", "stairs", (7, 20.5, 0), (9, 23.5, 1.2), "-x"),
+    Piece("keep ramp", "ramp", (-2.5, 11.5, 0), (2.5, 15, 1.5), "+y"),
+    Piece("keep upper ramp", "ramp", (-6, 20, 1.5), (-3, 24, 3.0), "+x"),
+    Piece("keep stairs", "stairs", (7, 19.5, 0), (9, 24.5, 1.2), "-x"),
 )
 
 DECKS = (
     Piece("north deck", "platform", (18, 28, 0), (26, 36, 2)),
     Piece("east deck", "platform", (34, 28, 0), (42, 36, 2)),
     Piece("bridge", "bridge", (26, 31, 1.9), (34, 33, 2)),
-    Piece("north deck ramp", "ramp", (13.5, 30.8, 0), (18, 33.2, 2), "+x"),
-    Piece("east deck ramp", "ramp", (36.8, 24, 0), (39.2, 28, 2), "+y"),
+    Piece("north deck ramp", "ramp", (13.5, 30, 0), (18, 34, 2), "+x"),
+    Piece("east deck ramp", "ramp", (36, 24, 0), (40, 28, 2), "+y"),
     Piece("west deck", "platform", (-44, -6, 0), (-36, 4, 2)),
-    Piece("west deck ramp", "ramp", (-36, -2.2, 0), (-31.5, 0.2, 2), "-x"),
+    Piece("west deck ramp", "ramp", (-36, -3, 0), (-31.5, 1, 2), "-x"),
     Piece("south deck", "platform", (26, -44, 0), (34, -37, 1.5)),
-    Piece("south deck ramp", "ramp", (22.4, -41.5, 0), (26, -39, 1.5), "+x"),
+    Piece("south deck ramp", "ramp", (22.4, -42.5, 0), (26, -38.5, 1.5), "+x"),
     Piece("east ledge", "platform", (36, -4, 0), (43, 6, 1.5)),
-    Piece("east ledge stairs", "stairs", (34, -0.5, 0), (36, 2.5, 1.2), "+x"),
+    Piece("east ledge stairs", "stairs", (34, -1.5, 0), (36, 3.5, 1.2), "+x"),
 )
 
 ROOMS = (
@@ -135,7 +135,7 @@ CLUTTER = (
 )
 
 BUGS = (
-    Piece(STRAY_RAMP, "ramp", (8, -49, 0), (10.4, -44.2, 4), "-y", on_navmesh=False),
+    Piece(STRAY_RAMP, "ramp", (8, -49, 0), (11, -44.2, 4), "-y", on_navmesh=False),
     _block(MONOLITH, (-18, -10), (-24, -16), 4),
 )
 

@@ -1,8 +1,8 @@
 """Writes the files of the small map: `python maps/small/make.py`. Running it again changes no byte.
 
-The map is a walled yard of 100 m x 100 m with a keep, decks and a bridge, rooms, lanes and clutter, and two planted
-bugs. `level.yaml` has both; `level-fixed.yaml` takes the same files, leaves the stray ramp out and gives the monolith
-its collision back. The nav-mesh is the same for both: it has holes where the ramp and the monolith are.
+The map is a walled yard of 100 m x 100 m with a keep, decks and a bridge, rooms, lanes and cover, and two
+planted bugs. `level.yaml` has both; `level-fixed.yaml` takes the same files, leaves the ramp out and gives
+the monolith its collision back. The nav-mesh is the same for both, with holes for the ramp and the monolith.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from layout import BUGS, PIECES, Piece
+from layout import BUGS, PIECES, Corner, Piece
 from mesh import glb, prism, y_up
 from walkable import navmesh
 
@@ -20,11 +20,11 @@ HERE = Path(__file__).resolve().parent
 
 TRUTH_HEADER = """\
 # The planted bugs of level.yaml, in its own axes and units. Written by make.py.
-# A finding counts for a bug if its position or exit point lies within `bounds`, or within `radius_m` of `position`.
+# A finding counts if its position or exit point lies in `bounds` or within `radius_m` of `position`.
 """
 
 
-def _truth_bounds(low: tuple[float, float, float], high: tuple[float, float, float]) -> dict[str, list[float]]:
+def _truth_bounds(low: Corner, high: Corner) -> dict[str, list[float]]:
     """A box in level coordinates [m] as one in the file's axes."""
     corners = y_up(np.array([low, high], float))
     return {"low": corners.min(axis=0).tolist(), "high": corners.max(axis=0).tolist()}
@@ -52,8 +52,8 @@ def truth(ramp: Piece, monolith: Piece) -> dict[str, Any]:
         "position": y_up(np.array([middle[0], middle[1], 0.0])).tolist(),
         "bounds": _truth_bounds(monolith.low, monolith.high),
         "radius_m": 6.0,
-        "description": "A solid block whose collision is missing. The nav-mesh goes round it, but one can walk "
-        "into it.",
+        "description": "A solid block whose collision is missing. The nav-mesh goes round it, but one can "
+        "walk into it.",
     }
     return {"version": 1, "frame": {"up_axis": "y", "units": "m"}, "bugs": [wall_bug, solid_bug]}
 

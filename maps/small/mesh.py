@@ -25,7 +25,7 @@ JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 @dataclass(frozen=True)
 class Mesh:
-    """A named triangle mesh in level coordinates: vertices [V, 3] [m], faces [F, 3], drawn at `origin` [3]."""
+    """A named triangle mesh in level coordinates: vertices [V, 3] [m] from `origin` [3], faces [F, 3]."""
 
     name: str
     vertices: Floats
@@ -34,7 +34,7 @@ class Mesh:
 
 
 def profile(piece: Piece, run: float) -> list[tuple[float, float]]:
-    """The outline (way uphill, height) [m], seen in full from its first corner, the lower one at the top end."""
+    """The outline (way uphill, height) [m]; its first corner, low at the top end, sees all of it."""
     rise = piece.high[2] - piece.low[2]
     if piece.kind == "ramp":
         return [(run, 0), (run, rise), (0, 0)]
@@ -100,12 +100,8 @@ def glb(meshes: Sequence[Mesh]) -> bytes:
     text += b" " * (-len(text) % 4)
     total = 12 + 8 + len(text) + 8 + len(binary)
     header = struct.pack("<4sII", b"glTF", 2, total)
-    chunks = (struct.pack("<II", len(data), kind) + data for data, kind in _chunks(text, bytes(binary)))
-    return header + b"".join(chunks)
-
-
-def _chunks(text: bytes, binary: bytes) -> tuple[tuple[bytes, int], tuple[bytes, int]]:
-    return (text, JSON_CHUNK), (binary, BINARY_CHUNK)
+    parts = ((text, JSON_CHUNK), (bytes(binary), BINARY_CHUNK))
+    return header + b"".join(struct.pack("<II", len(data), kind) + data for data, kind in parts)
 
 
 def _append_arrays(document: dict[str, Any], binary: bytearray, mesh: Mesh) -> None:
@@ -119,6 +115,7 @@ def _append_arrays(document: dict[str, Any], binary: bytearray, mesh: Mesh) -> N
     for array, target, accessor in arrays:
         data = array.tobytes()
         view = {"buffer": 0, "byteOffset": len(binary), "byteLength": len(data), "target": target}
-        document["accessors"].append({"bufferView": len(document["bufferViews"]), "count": len(array), **accessor})
+        accessor |= {"bufferView": len(document["bufferViews"]), "count": len(array)}
+        document["accessors"].append(accessor)
         document["bufferViews"].append(view)
         binary += data + b"\0" * (-len(data) % 4)

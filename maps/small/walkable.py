@@ -1,8 +1,8 @@
 """The nav-mesh of the small map, by exact geometry: every piece is an axis-aligned box or slope.
 
-A walkable surface is its outline shrunk by the agent radius, minus whatever stands on it grown by that radius.
-Cut along all those edges it falls into cells, which are merged into rectangles. Slopes are rectangles as well. In
-the end every rectangle becomes a fan round its centre over all corners on its rim, so that neighbours share edges.
+A walkable surface is its outline shrunk by the agent radius, minus what stands on it grown by that radius.
+Cut along all those edges it falls into cells, which are merged into rectangles. Slopes are rectangles too. In
+the end every rectangle becomes a fan round its centre over all corners on its rim, so neighbours share edges.
 """
 
 from __future__ import annotations

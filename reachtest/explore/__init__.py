@@ -1,1 +1,7 @@
-"""Stage explore."""
+"""The exploration: Go-Explore over a simulator, with one shared position cache."""
+
+from reachtest.explore.explorer import Explorer
+from reachtest.explore.heuristics import HEURISTICS
+from reachtest.explore.replay import Replayer
+
+__all__ = ["HEURISTICS", "Explorer", "Replayer"]

@@ -1,1 +1,23 @@
-"""Stage levels."""
+"""Stage levels: reads `level.yaml` and the meshes it names, and says everything that is wrong with them.
+
+Reading order: `schema` (what the file says), `document` (how it is read), `meshes` (the files it names),
+`load` (how it becomes a `Level`), `check` (whether that level is plausible).
+"""
+
+from reachtest.levels.check import Check, check_level
+from reachtest.levels.load import load_level
+from reachtest.levels.meshes import MESH_READERS, NAVMESH_READERS
+from reachtest.levels.presets import PRESETS
+from reachtest.levels.primitives import PRIMITIVES
+from reachtest.levels.schema import json_schema
+
+__all__ = [
+    "MESH_READERS",
+    "NAVMESH_READERS",
+    "PRESETS",
+    "PRIMITIVES",
+    "Check",
+    "check_level",
+    "json_schema",
+    "load_level",
+]

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    PlainValidator,
+    WithJsonSchema,
+)
+from pydantic_core import CoreSchema, core_schema
 
 from reachtest.levels.frames import UNITS
 
@@ -17,7 +26,7 @@ FARTHEST = 1e7  # 100 km in centimetres: beyond it a number is a mistake, not a 
 class Spec(BaseModel):
     """Base of everything in `level.yaml`: unknown keys are refused, and so are NaN and infinity."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
@@ -27,22 +36,24 @@ def nearest(word: str, words: Iterable[str]) -> str:
     return f"did you mean {by_fold[close[0]]!r}? " if close else ""
 
 
-def one_of(values: Iterable[str]) -> Callable[[str], str]:
-    """A validator for a name out of `values`, which says what is near and what is valid."""
-    valid = list(values)
+class OneOf:
+    """Annotation of a string that must be one of `values`; its message says what is near and valid."""
 
-    def check(value: str) -> str:
-        if value not in valid:
-            raise ValueError(f"{nearest(value, valid)}valid: {', '.join(valid)}")
+    def __init__(self, values: Iterable[str]) -> None:
+        self.values = list(values)
+
+    def _check(self, value: str) -> str:
+        if value not in self.values:
+            raise ValueError(f"{nearest(value, self.values)}valid: {', '.join(self.values)}")
         return value
 
-    return check
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._check, handler(source))
 
-
-def name_of(values: Iterable[str]) -> Any:
-    """Annotations of a string field that takes one of `values`."""
-    valid = list(values)
-    return Annotated[str, AfterValidator(one_of(valid)), WithJsonSchema({"type": "string", "enum": valid})]
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"type": "string", "enum": self.values}
 
 
 def _units(value: Any) -> str | float:

@@ -1,7 +1,7 @@
 """Characters by name: the numbers that engines start a new project with.
 
-Where an engine leaves movement to a script, its own starter script fills the row. Where it has no terminal speed,
-40 m/s is taken (Unreal's default): far above what a fall inside a level reaches, and still safe to simulate.
+Where an engine leaves movement to a script, its own starter script fills the row. Where it has no terminal
+speed, 40 m/s is taken (Unreal's default): far above what a fall inside a level reaches, and safe to simulate.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ DEFAULTS: dict[str, float] = {
     "ground_friction": 8.0,
     "air_control": 0.05,
 }
-"""What a character without a preset need not say: Unreal's defaults, the slowest to turn and so the strictest."""
+"""What a character without a preset need not say: Unreal's defaults."""
 
 PRESETS: dict[str, Character] = {
     # Unreal Engine, UCharacterMovementComponent and ACharacter defaults, in metres.
@@ -35,9 +35,9 @@ PRESETS: dict[str, Character] = {
         ground_friction=8.0,
         air_control=0.05,
     ),
-    # Unity CharacterController; the rest from the Starter Assets' FirstPersonController: SprintSpeed 6 (the player's
-    # fastest), JumpHeight 1.2 at Gravity -15 (sqrt(2 * 15 * 1.2) = 6 m/s), terminal velocity 53, SpeedChangeRate 10,
-    # which turns and speeds up in the air exactly as on the ground.
+    # Unity CharacterController; the rest from the Starter Assets' FirstPersonController: SprintSpeed 6 (the
+    # player's fastest), JumpHeight 1.2 at Gravity -15 (sqrt(2 * 15 * 1.2) = 6 m/s), terminal velocity 53,
+    # SpeedChangeRate 10, in the air exactly as on the ground.
     "unity": Character(
         radius_m=0.5,
         height_m=2.0,
@@ -52,9 +52,9 @@ PRESETS: dict[str, Character] = {
         ground_friction=10.0,
         air_control=1.0,
     ),
-    # Godot 4 CharacterBody3D with the default CapsuleShape3D and the template script (SPEED 5, JUMP_VELOCITY 4.5),
-    # which sets the velocity outright, on the ground and in the air: full speed within one tick of 1/60 s.
-    # move_and_slide has no step-up.
+    # Godot 4 CharacterBody3D with the default CapsuleShape3D and the template script (SPEED 5, JUMP_VELOCITY
+    # 4.5), which sets the velocity outright, on the ground and in the air: full speed within one tick of
+    # 1/60 s. move_and_slide has no step-up.
     "godot": Character(
         radius_m=0.5,
         height_m=2.0,
@@ -69,8 +69,9 @@ PRESETS: dict[str, Character] = {
         ground_friction=60.0,
         air_control=1.0,
     ),
-    # Quake III bg_pmove, 1 unit = 0.0254 m: box 30 x 30 x 56, 320 u/s, jump 270 u/s, step 18 u, gravity 800 u/s2,
-    # floor normal z >= 0.7; pm_accelerate 10 and pm_friction 6 (both 1/s, times 320 u/s), pm_airaccelerate 1.
+    # Quake III bg_pmove, 1 unit = 0.0254 m: box 30 x 30 x 56, 320 u/s, jump 270 u/s, step 18 u, gravity 800
+    # u/s2, floor normal z >= 0.7; pm_accelerate 10 and pm_friction 6 (both 1/s, times 320 u/s),
+    # pm_airaccelerate 1.
     "quake3": Character(
         radius_m=0.381,
         height_m=1.42,

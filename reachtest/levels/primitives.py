@@ -96,7 +96,7 @@ def build_ramp(spec: Ramp, frame: Frame) -> Floats:
         for y in (0, 1)
         for x in (0, 1)
     ]
-    return np.array(corners)[_HEXAHEDRON]
+    return np.asarray(np.array(corners)[_HEXAHEDRON])
 
 
 def build_cylinder(spec: Cylinder, frame: Frame) -> Floats:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, GetJsonSchemaHandler, create_model, field_validator, model_validator
 from pydantic_core import CoreSchema
 
-from reachtest.levels.fields import Duration, Name, Number, Point, Spec, Units, name_of
+from reachtest.levels.fields import Duration, Name, Number, OneOf, Point, Spec, Units
 from reachtest.levels.frames import UP_AXES
 from reachtest.levels.presets import DEFAULTS, PRESETS
 from reachtest.levels.primitives import PRIMITIVES, AlignedBox
@@ -16,11 +16,10 @@ from reachtest.records import KINDS, Character, ExploreSettings
 FAIL_ON = ("unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "required_unreached")
 _EXPLORE = ExploreSettings()
 
-if TYPE_CHECKING:
-    UpAxis = PresetName = Kind = ZoneKind = str
-else:  # the tables' keys, as types
-    UpAxis, PresetName, Kind = name_of(UP_AXES), name_of(PRESETS), name_of(KINDS)
-    ZoneKind = name_of(("forbidden", "allowed_off_mesh"))
+UpAxis = Annotated[str, OneOf(UP_AXES)]
+PresetName = Annotated[str, OneOf(PRESETS)]
+Kind = Annotated[str, OneOf(KINDS)]
+ZoneKind = Annotated[str, OneOf(("forbidden", "allowed_off_mesh"))]
 
 
 def _either(shorthand: dict[str, Any], schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
@@ -55,7 +54,7 @@ class GeometryBase(MeshSpec):
     name: Name | None = Field(None, description="What reports call the place.")
     role: Literal["collision", "solid", "both"] = Field(
         "collision",
-        description="collision: the character collides with it; solid: a closed volume nobody may get into; both.",
+        description="collision: stops the character; solid: a closed volume nobody may get into; both.",
     )
 
     @property
@@ -285,7 +284,10 @@ class LevelSpec(Spec):
         pattern=r"^[^/\\\x00]+$",
         description="Default: the folder's name.",
     )
-    frame: FrameSpec = Field(FrameSpec(), description="Axes and units of every position in this file.")
+    frame: FrameSpec = Field(
+        default_factory=lambda: FrameSpec.model_validate({}),
+        description="Axes and units of every position in this file.",
+    )
     geometry: tuple[GeometrySpec, ...] = Field(min_length=1, description="What the level is made of.")
     navmesh: NavMeshSpec = Field(description="Where the game thinks the character can walk.")
     character: CharacterSpec = Field(description="Who explores: a preset's name, or numbers.")
@@ -296,8 +298,12 @@ class LevelSpec(Spec):
     bounds_m: BoundsSpec | None = Field(None, description="Default: the geometry's box grown by 50 m.")
     zones: tuple[ZoneSpec, ...] = Field((), description="Boxes with a meaning.")
     required: tuple[RequiredSpec, ...] = Field((), description="Places that must be reached.")
-    explore: ExploreSpec = Field(ExploreSpec(), description="How to explore.")
-    gate: GateSpec = Field(GateSpec(), description="What fails the run.")
+    explore: ExploreSpec = Field(
+        default_factory=lambda: ExploreSpec.model_validate({}), description="How to explore."
+    )
+    gate: GateSpec = Field(
+        default_factory=lambda: GateSpec.model_validate({}), description="What fails the run."
+    )
 
 
 def json_schema() -> dict[str, Any]:

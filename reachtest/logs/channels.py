@@ -7,7 +7,7 @@ from importlib.metadata import version
 from typing import IO, Any
 
 # A kill loses the chunk in progress, so chunks are much smaller than the usual 1 MiB: see McapLog.
-CHUNK_BYTES = 64 * 1024
+CHUNK_BYTES = 32 * 1024
 
 
 def mcap_writer(stream: IO[bytes]) -> Any:

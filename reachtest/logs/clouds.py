@@ -43,6 +43,11 @@ def stamp(time_ns: int) -> Timestamp:
     return Timestamp(seconds=time_ns // 10**9, nanos=time_ns % 10**9)
 
 
+def utf8(text: str) -> str:
+    """`text` without halves of surrogate pairs, which a level file can hold and protobuf refuses."""
+    return text.encode("utf-8", errors="replace").decode()
+
+
 def pose(position: NDArray[Any]) -> Pose:
     """An upright pose at `position` [3]."""
     x, y, z = _float32(position)
@@ -105,5 +110,8 @@ def poses(positions: Floats, time_ns: int) -> PosesInFrame:
 def log_line(message: str, severity: str, time_ns: int) -> Log:
     """One line for the viewers' log panel; `severity` is "info", "warning" or "error"."""
     return Log(
-        timestamp=stamp(time_ns), level=Log.Level.Value(severity.upper()), message=message, name="reachtest"
+        timestamp=stamp(time_ns),
+        level=Log.Level.Value(severity.upper()),
+        message=utf8(message),
+        name="reachtest",
     )

@@ -12,7 +12,9 @@ import numpy as np
 from reachtest.logs.channels import Channels
 from reachtest.records import Finding, Level, RoundRecord
 
-AGENT_INSTANTS = 8  # pose messages a round: enough to see the agents move, a tenth of the bytes of all steps
+AGENT_INSTANTS = (
+    8  # pose messages a round: enough to see the agents move, a sixteenth of the bytes of all steps
+)
 PROGRESS_ROUNDS = 10
 
 
@@ -21,8 +23,8 @@ class McapLog:
 
     The file grows under a temporary name (`.run.mcap.part` beside `run.mcap`) and gets its own when it is
     closed, also after an exception in the with-block. A process that is killed leaves the `.part` file,
-    complete up to its last whole chunk: what is lost is at most 64 KiB of messages before compression, which
-    is the last 9 rounds of 16 agents (measured). `recover` or the `mcap recover` command makes a whole file.
+    complete up to its last whole chunk: what is lost is at most 32 KiB of messages before compression, which
+    is the last 5 rounds of 16 agents (measured). `recover` or the `mcap recover` command makes a whole file.
 
     Topics: `/tf`, `/level`, `/navmesh`, `/coverage` (the *new* points of each round: let the viewer
     accumulate them), `/agents`, `/findings`, `/findings/points` (for viewers without scenes), `/log`.

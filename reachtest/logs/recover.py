@@ -21,9 +21,8 @@ def recover(source: Path, target: Path | None = None) -> int:
     """
     target = target or default_target(source)
     part = target.with_name(f".{target.name}.recovering")
+    _check_magic(source)
     with source.open("rb") as damaged, part.open("wb") as stream:
-        _check_magic(source, damaged.read(8))
-        damaged.seek(0)
         writer = mcap_writer(stream)
         copy = _Copy(writer)
         saved = sum(copy.chunk(records) for records in _whole_chunks(damaged))
@@ -42,9 +41,11 @@ def default_target(source: Path) -> Path:
     return source.with_name(f"{source.stem}.recovered.mcap")
 
 
-def _check_magic(source: Path, magic: bytes) -> None:
+def _check_magic(source: Path) -> None:
     from mcap.writer import MCAP0_MAGIC
 
+    with source.open("rb") as stream:
+        magic = stream.read(len(MCAP0_MAGIC))
     if magic != MCAP0_MAGIC:
         raise BadInput(
             [Problem(str(source), "not an MCAP file", "give the .part file that the run left")], source

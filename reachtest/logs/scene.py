@@ -13,7 +13,7 @@ from foxglove_schemas_protobuf.TextPrimitive_pb2 import TextPrimitive
 from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
 from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 
-from reachtest.logs.clouds import FRAME, point, pose, stamp
+from reachtest.logs.clouds import FRAME, point, pose, stamp, utf8
 from reachtest.records import Finding, Floats
 
 LEVEL_COLOUR = Color(r=0.75, g=0.75, b=0.75, a=1.0)
@@ -53,9 +53,9 @@ def findings_scene(findings: tuple[Finding, ...], time_ns: int) -> SceneUpdate:
 def _entity(finding: Finding, time_ns: int) -> SceneEntity:
     colour = ERROR_COLOUR if finding.severity == "error" else WARNING_COLOUR
     above = finding.position + np.array([0.0, 0.0, TEXT_ABOVE_M])
-    entity = SceneEntity(timestamp=stamp(time_ns), frame_id=FRAME, id=finding.id)
+    entity = SceneEntity(timestamp=stamp(time_ns), frame_id=FRAME, id=utf8(finding.id))
     entity.metadata.extend(
-        KeyValuePair(key=key, value=value)
+        KeyValuePair(key=key, value=utf8(value))
         for key, value in (
             ("id", finding.id),
             ("kind", finding.kind),
@@ -66,7 +66,9 @@ def _entity(finding: Finding, time_ns: int) -> SceneEntity:
     size = Vector3(x=SPHERE_M, y=SPHERE_M, z=SPHERE_M)
     entity.spheres.append(SpherePrimitive(pose=pose(finding.position), size=size, color=colour))
     entity.texts.append(
-        TextPrimitive(pose=pose(above), billboard=True, font_size=TEXT_M, color=colour, text=finding.title)
+        TextPrimitive(
+            pose=pose(above), billboard=True, font_size=TEXT_M, color=colour, text=utf8(finding.title)
+        )
     )
     if finding.path is not None:
         entity.lines.append(_path_line(finding.path.positions, colour))

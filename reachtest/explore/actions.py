@@ -1,0 +1,29 @@
+"""Random actions, like a gamepad's: a stick direction held for a while, and the jump button.
+
+Every (round, agent) has a stream of its own, so any episode can be re-simulated alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+HOLD_STEPS = 6.0  # mean of the geometric time a direction is held: carries further than fresh noise
+JUMP_SHARE = 0.25  # of the holds are made jumping
+CENTRED_SHARE = 0.05  # of the holds stand still: enough for what only waiting finds
+
+
+def action_stream(seed: int, round_: int, agent: int, steps: int) -> NDArray[np.int8]:
+    """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
+    change = rng.random(steps) < 1.0 / HOLD_STEPS
+    change[0] = True
+    hold = np.cumsum(change) - 1
+    stick = np.where(rng.random(steps) < CENTRED_SHARE, 0, rng.integers(1, 9, steps))
+    jump = rng.random(steps) < JUMP_SHARE
+    return np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
+
+
+def start_generator(seed: int, round_: int) -> np.random.Generator:
+    """The generator that draws the starts of a round; apart from every agent's stream."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_,)))

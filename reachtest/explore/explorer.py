@@ -1,0 +1,252 @@
+"""Go-Explore for reachability (Algorithm 1 of Lu, Georgescu & Verwey), a round at a time.
+
+All agents restart at the same step and the cache influences only the choice at a restart, so a whole round is
+simulated first and its positions are inserted afterwards in (step, agent) order: the same result as inserting
+step by step.
+
+Shape legend: B agents, T agent steps of a round, M starts an agent, P cached points, n new points.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.explore.actions import action_stream, start_generator
+from reachtest.explore.archive import Archive
+from reachtest.explore.cache import PositionCache
+from reachtest.explore.goals import GoalSet, note_first_visits, sample_goals
+from reachtest.explore.heuristics import mixture
+from reachtest.explore.rollout import Trajectories, roll_out
+from reachtest.explore.visits import VisitCounts
+from reachtest.interfaces import Observer, Simulator, Surface
+from reachtest.records import (
+    Bools,
+    EndReason,
+    Exploration,
+    Fall,
+    Floats,
+    Ints,
+    Level,
+    Origin,
+    RoundRecord,
+    StopReason,
+)
+
+STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight steps at the least
+NO_POINT = np.full(3, np.nan)
+
+
+@dataclass
+class _Clock:
+    began: float
+    physics_s: float = 0.0
+    cache_s: float = 0.0
+
+
+class Explorer:
+    """One exploration of one level."""
+
+    def __init__(
+        self,
+        level: Level,
+        simulator: Simulator,
+        surface: Surface,
+        seed: int,
+        observers: Sequence[Observer] = (),
+        interrupted: Callable[[], StopReason | None] = lambda: None,
+    ) -> None:
+        """`surface` tells expected from unexpected positions; `interrupted` is asked after every round."""
+        self._level, self._settings, self._seed = level, level.explore, seed
+        self._simulator, self._surface = simulator, surface
+        self._observers, self._interrupted = observers, interrupted
+        s = self._settings
+        self._spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
+        self._cache = PositionCache(s.threshold_m)
+        self._archive = Archive(self._spawns.shape[1])
+        self._visits = VisitCounts(s.threshold_m)
+        self._goals = GoalSet(sample_goals(level.navmesh, s.goal_spacing_m), s.goal_radius_m)
+        self._eta = mixture(s.heuristics, s.power, s.goal_radius_m)
+        self._required_step: Ints = np.full(len(level.required), -1, dtype=np.int64)
+        self._bottom = float(level.collision[:, :, 2].min())
+        self._falls: list[Fall] = []
+        self._steps = self._episodes = self._diverged = self._round = 0
+        self._clock = _Clock(time.monotonic())
+
+    def run(self) -> Exploration:
+        """Explore until a budget ends or the run is interrupted."""
+        while (stop := self._should_stop()) is None:
+            self._one_round()
+        wall = time.monotonic() - self._clock.began
+        physics, cache = self._clock.physics_s, self._clock.cache_s
+        once, twice, cells = self._visits.incidence()
+        return Exploration(
+            points=self._archive.points(),
+            visits=self._visits.of(self._archive.cells),
+            goals=self._goals.goals,
+            goal_step=self._goals.reached_step,
+            required_step=self._required_step,
+            falls=tuple(self._falls),
+            agent_steps=self._steps,
+            episodes=self._episodes,
+            diverged_episodes=self._diverged,
+            cells_once=once,
+            cells_twice=twice,
+            cells_total=cells,
+            stop_reason=stop,
+            seed=self._seed,
+            settings=self._settings,
+            timing={"wall_s": wall, "physics_s": physics, "cache_s": cache, "rest_s": wall - physics - cache},
+        )
+
+    def _should_stop(self) -> StopReason | None:
+        s = self._settings
+        if self._steps >= s.steps:
+            return StopReason.STEPS
+        if s.time_budget_s is not None and time.monotonic() - self._clock.began >= s.time_budget_s:
+            return StopReason.TIME
+        return self._interrupted()
+
+    def _one_round(self) -> None:
+        s = self._settings
+        length = min(s.reset_interval, -(-(s.steps - self._steps) // s.agents))
+        streams = [
+            action_stream(self._seed, self._round, agent, s.reset_interval)[:length] for agent in range(s.agents)
+        ]
+        parents = self._draw_starts()
+        began = time.monotonic()
+        rolled = roll_out(self._simulator, self._states_of(parents), np.stack(streams, axis=1))
+        simulated = time.monotonic()
+        new = self._record(rolled, parents)
+        self._clock.physics_s += simulated - began
+        self._clock.cache_s += time.monotonic() - simulated
+        self._steps += length * s.agents
+        self._round += 1
+        self._tell(rolled, new)
+
+    # --- starts -----------------------------------------------------------------------------------
+
+    def _draw_starts(self) -> Ints:
+        """What each agent starts from [M, B]: cached points, or -1 - i for spawn i."""
+        agents, shape = self._settings.agents, (STARTS_PER_AGENT, self._settings.agents)
+        spawns = len(self._spawns)
+        if not len(self._archive) or self._round * agents < spawns:  # every spawn is used at least once
+            return -1 - (self._round * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns
+        weight = self._eta(self._visits.of(self._archive.cells), self._goals.distances(self._cache.positions))
+        weight = np.where(self._hopeless(), 0.0, weight)
+        if not weight.any():
+            weight[:] = 1.0
+        total = np.cumsum(weight)
+        draws = start_generator(self._seed, self._round).random(shape) * total[-1]
+        return np.minimum(np.searchsorted(total, draws, side="right"), len(weight) - 1)
+
+    def _hopeless(self) -> Bools:
+        """Points [P] in the air below all geometry: nothing can come of them any more."""
+        below = self._cache.positions[:, 2] < self._bottom - self._level.character.height_m
+        return below & ~self._archive.grounded
+
+    def _states_of(self, parents: Ints) -> Floats:
+        spawned = parents < 0
+        states = np.empty((*parents.shape, self._spawns.shape[1]))
+        states[spawned] = self._spawns[-1 - parents[spawned]]
+        states[~spawned] = self._archive.states[parents[~spawned]]
+        return states
+
+    # --- insertion --------------------------------------------------------------------------------
+
+    def _record(self, rolled: Trajectories, parents: Ints) -> Ints:
+        """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
+        steps, agents = rolled.ended.shape
+        episode = rolled.which + np.arange(agents)[None] * STARTS_PER_AGENT
+        valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
+        flat = rolled.positions.reshape(-1, 3)[valid]
+        self._visits.add(flat, episode.ravel()[valid])
+        order = valid[self._cache.insert(flat)]
+        new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
+        on_mesh = self._on_mesh(rolled, new)
+        self._archive_points(rolled, parents, new, on_mesh)
+        self._goals.drain(flat, self._steps + valid + 1)
+        note_first_visits(self._required_step, self._level.required, flat, self._steps + valid + 1)
+        self._note_ends(rolled, parents, on_mesh)
+        return new
+
+    def _on_mesh(self, rolled: Trajectories, new: Ints) -> Bools:
+        """Which positions [T, B] are expected; worked out where somebody will ask only.
+
+        That is new points, and whole columns of agents that left the nav-mesh or fell.
+        """
+        limit = self._settings.expected_within_m
+        on_mesh = np.zeros(rolled.ended.shape, dtype=np.bool_)
+        t, b = new[:, 0], new[:, 1]
+        on_mesh[t, b] = self._surface.within(rolled.positions[t, b], limit)
+        fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
+        columns = np.union1d(b[~on_mesh[t, b]], fell)
+        asked = rolled.positions[:, columns].reshape(-1, 3)
+        on_mesh[:, columns] = self._surface.within(asked, limit).reshape(len(on_mesh), len(columns))
+        return on_mesh
+
+    def _archive_points(self, rolled: Trajectories, parents: Ints, new: Ints, on_mesh: Bools) -> None:
+        t, b = new[:, 0], new[:, 1]
+        positions = rolled.positions[t, b]
+        expected = on_mesh[t, b]
+        exits = np.full((len(new), 3), np.nan)
+        for i in np.flatnonzero(~expected):
+            exits[i] = self._exit_of(rolled, parents, on_mesh, int(t[i]), int(b[i]))
+        self._archive.append(
+            positions=positions,
+            states=rolled.states[t, b],
+            grounded=rolled.grounded[t, b],
+            parent=parents[rolled.which[t, b], b],
+            round=np.full(len(new), self._round),
+            agent=b,
+            start=rolled.start[t, b],
+            step=t + 1,
+            expected=expected,
+            exit_point=exits,
+            cell=self._visits.cells(positions),
+        )
+
+    def _exit_of(self, rolled: Trajectories, parents: Ints, on_mesh: Bools, t: int, b: int) -> Floats:
+        """The last expected position before (t, b) on its path: in this episode, or as its parent has it."""
+        begin = int(rolled.start[t, b])
+        expected = np.flatnonzero(on_mesh[begin:t, b])
+        if len(expected):
+            return rolled.positions[begin + expected[-1], b]
+        parent = int(parents[rolled.which[t, b], b])
+        if parent < 0:
+            return NO_POINT
+        inherited = self._archive.exit_points[parent]
+        return self._cache.positions[parent] if np.isnan(inherited[0]) else inherited
+
+    def _note_ends(self, rolled: Trajectories, parents: Ints, on_mesh: Bools) -> None:
+        """Count the round's episodes and remember its falls."""
+        self._episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
+        self._diverged += int((rolled.ended == EndReason.DIVERGED).sum())
+        for t, b in np.argwhere(rolled.ended == EndReason.FELL):
+            begin = int(rolled.start[t, b])
+            parent = int(parents[rolled.which[t, b], b])
+            stood = np.flatnonzero(rolled.grounded[begin:t, b])
+            origin_of = self._cache.positions[parent] if parent >= 0 else self._spawns[-1 - parent, :3]
+            footing = rolled.positions[begin + stood[-1], b] if len(stood) else origin_of
+            origin = Origin(parent, self._round, int(b), begin, int(t) + 1)
+            exit_point = self._exit_of(rolled, parents, on_mesh, int(t), int(b))
+            self._falls.append(Fall(origin, rolled.last[t, b], footing, exit_point))
+
+    def _tell(self, rolled: Trajectories, new: Ints) -> None:
+        record = RoundRecord(
+            round=self._round - 1,
+            agent_steps=self._steps,
+            sim_time_s=self._steps / self._settings.agents * self._simulator.step_s,
+            trajectories=rolled.positions,
+            new_points=rolled.positions[new[:, 0], new[:, 1]],
+            new_expected=self._archive.expected[len(self._archive) - len(new) :],
+            points=len(self._archive),
+            goals_reached=self._goals.reached,
+            goals_total=len(self._goals.goals),
+            falls=len(self._falls),
+        )
+        for observer in self._observers:
+            observer.on_round(record)

@@ -1,0 +1,97 @@
+"""Builds one Finding from a cluster of evidence: where to look, how to get there, how bad it is."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.findings.evidence import Evidence
+from reachtest.records import Fall, Finding, Floats, Ints, ReplayPath
+
+ERRORS = frozenset(
+    {"unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "stuck", "required_unreached"}
+)
+_ID_GRID_M = 8.0  # coarse, so that the same bug seen a little elsewhere keeps its id
+
+
+@dataclass(frozen=True)
+class Cluster:
+    """Evidence of one bug."""
+
+    kind: str
+    label: str  # what the title says of it: a solid's, a zone's or a required point's name
+    points: Ints  # [n] indices of cached points
+    falls: tuple[Fall, ...]
+    places: Floats  # [m, 3] what the bounds enclose
+
+
+@dataclass(frozen=True)
+class _Sight:
+    position: Floats  # [3]
+    exit_point: Floats | None  # [3]
+    first_seen_step: int | None
+    path: ReplayPath | None
+
+
+def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
+    """The finding, with the shortest known way re-simulated."""
+    sight = _representative(evidence, cluster)
+    anchor = sight.position if sight.exit_point is None else sight.exit_point
+    named = evidence.nearest_part(anchor)
+    grid = np.floor(anchor / _ID_GRID_M).astype(int).tolist()
+    digest = hashlib.sha256(f"{cluster.kind} {cluster.label} {named} {grid}".encode()).hexdigest()
+    return Finding(
+        id=f"{cluster.kind}-{digest[:8]}",
+        kind=cluster.kind,
+        severity="error" if cluster.kind in ERRORS else "warning",
+        gating=cluster.kind in evidence.level.gate.fail_on,
+        title=_title(cluster, named),
+        position=sight.position,
+        low=cluster.places.min(axis=0),
+        high=cluster.places.max(axis=0),
+        points=len(cluster.points) or len(cluster.places),
+        exit_point=sight.exit_point,
+        nearest_named=named,
+        first_seen_step=sight.first_seen_step,
+        path=sight.path,
+        suppressed_by=None,
+    )
+
+
+def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
+    """What to show of a cluster: its evidence with the shortest known way from a spawn."""
+    if cluster.falls:
+        fall = min(cluster.falls, key=evidence.steps_of_fall)
+        first = min(evidence.seen_step(fall.origin) for fall in cluster.falls)
+        path = evidence.replayer.path_to_fall(fall)
+        return _Sight(fall.footing, _known(fall.exit_point), first, path)
+    points = evidence.exploration.points
+    if len(cluster.points):
+        # Standing evidence first: a designer wants to be taken to where the character stands.
+        standing = cluster.points[points.grounded[cluster.points]]
+        some = standing if len(standing) else cluster.points
+        index = int(some[evidence.steps_from_spawn[some].argmin()])
+        first = min(evidence.seen_step(points.origin(int(i))) for i in cluster.points)
+        path = evidence.replayer.path_to_point(index)
+        return _Sight(points.positions[index], _known(points.exit_point[index]), first, path)
+    middle = cluster.places.mean(axis=0)
+    nearest = np.linalg.norm(cluster.places - middle, axis=1).argmin()
+    return _Sight(cluster.places[nearest], None, None, None)
+
+
+def _known(exit_point: Floats) -> Floats | None:
+    return None if np.isnan(exit_point).any() else exit_point
+
+
+def _title(cluster: Cluster, named: str | None) -> str:
+    near = f" near '{named}'" if named else ""
+    return {
+        "fell_out_of_world": f"The player falls out of the world{near}",
+        "unexpected_area": f"The player gets to where the nav-mesh does not go{near}",
+        "inside_solid": f"The player gets into solid '{cluster.label}'",
+        "forbidden_zone": f"The player gets into forbidden zone '{cluster.label}'",
+        "unreached_area": f"Part of the nav-mesh was not reached{near}",
+        "required_unreached": f"Required point '{cluster.label}' was not reached",
+    }[cluster.kind]

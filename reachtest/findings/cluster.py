@@ -1,0 +1,25 @@
+"""Clusters: which pieces of evidence are one bug."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from reachtest.records import Floats, Ints
+
+
+def single_linkage(points: Floats, link_m: float) -> list[Ints]:
+    """Groups of `points` [n, 3] connected by gaps of at most `link_m`, each as ascending indices.
+
+    Groups come in the order of their first point, so that nothing depends on the tree.
+    """
+    if not len(points):
+        return []
+    pairs = cKDTree(points).query_pairs(link_m, output_type="ndarray")
+    ones = np.ones(len(pairs), dtype=np.int8)
+    graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
+    _, label = connected_components(graph, directed=False)
+    _, first = np.unique(label, return_index=True)
+    return [np.flatnonzero(label == label[i]) for i in np.sort(first)]

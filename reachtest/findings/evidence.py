@@ -1,0 +1,84 @@
+"""What the exploration shows, before it is called a bug: which points lie where, and how long the way was.
+
+Shape legend: P cached points, n chosen ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from reachtest.geometry import inside_closed_surface
+from reachtest.interfaces import Replayer
+from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin, Zone
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The exploration of one level, with what several detectors ask for worked out once."""
+
+    level: Level
+    exploration: Exploration
+    replayer: Replayer
+
+    @cached_property
+    def steps_from_spawn(self) -> Ints:
+        """Length [P] of the known way to each point [agent steps]."""
+        points = self.exploration.points
+        length = (points.step - points.start).astype(np.int64)
+        for index, parent in enumerate(points.parent.tolist()):
+            if parent >= 0:  # parents come before their children
+                length[index] += length[parent]
+        return length
+
+    def steps_of_fall(self, fall: Fall) -> int:
+        """Length of the known way to a fall [agent steps]."""
+        parent = fall.origin.parent
+        return fall.origin.step - fall.origin.start + (int(self.steps_from_spawn[parent]) if parent >= 0 else 0)
+
+    @cached_property
+    def solid_of(self) -> Ints:
+        """Index [P] of the solid each point's character is in; -1 for none.
+
+        A character is inside when the middle of its body or the centre of its lower sphere is: both are a
+        radius away from any surface it could merely touch.
+        """
+        character, positions = self.level.character, self.exploration.points.positions
+        result = np.full(len(positions), -1, dtype=np.int64)
+        for index, solid in enumerate(self.level.solids):
+            for height in (character.radius_m, character.height_m / 2):
+                inside = inside_closed_surface(positions + [0.0, 0.0, height], solid.triangles)
+                result[inside & (result < 0)] = index
+        return result
+
+    def in_zones(self, kind: str) -> Ints:
+        """Index [P] of the zone of `kind` that each point is in; -1 for none."""
+        result = np.full(len(self.exploration.points), -1, dtype=np.int64)
+        for index, zone in enumerate(self.level.zones):
+            if zone.kind == kind:
+                result[inside_zone(self.exploration.points.positions, zone) & (result < 0)] = index
+        return result
+
+    def seen_step(self, origin: Origin) -> int:
+        """The agent step of the run at which something of `origin` was seen first."""
+        s = self.exploration.settings
+        return origin.round * s.reset_interval * s.agents + (origin.step - 1) * s.agents + origin.agent + 1
+
+    def nearest_part(self, position: Floats) -> str | None:
+        """The name of the level part whose box is nearest to a position [3]; the smaller of equals."""
+        if not self.level.parts:
+            return None
+
+        def rank(index: int) -> tuple[float, float]:
+            part = self.level.parts[index]
+            away = np.maximum(np.maximum(part.low - position, position - part.high), 0.0)
+            return round(float(np.linalg.norm(away)), 3), float(np.prod(part.high - part.low + 0.01))
+
+        return self.level.parts[min(range(len(self.level.parts)), key=rank)].name
+
+
+def inside_zone(positions: Floats, zone: Zone) -> Bools:
+    """Whether positions [n, 3] lie in the zone's box."""
+    return np.asarray(((positions >= zone.low) & (positions <= zone.high)).all(axis=1), dtype=np.bool_)

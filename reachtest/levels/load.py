@@ -1,0 +1,200 @@
+"""From `level.yaml` to a `Level`: reads everything, and reports every mistake at once."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reachtest.errors import BadInput, Problem
+from reachtest.levels.check import check_level
+from reachtest.levels.document import merge, parse, read_yaml
+from reachtest.levels.frames import make_frame
+from reachtest.levels.meshes import (
+    MESH_READERS,
+    NAVMESH_READERS,
+    Mesh,
+    degenerate,
+    file_problem,
+    read_mesh,
+)
+from reachtest.levels.primitives import PRIMITIVES
+from reachtest.levels.reading import Reading, ReadLevel
+from reachtest.levels.scene import Piece
+from reachtest.levels.schema import GeometrySpec, LevelSpec
+from reachtest.levels.solids import make_solids
+from reachtest.records import Floats, Frame, GateSettings, Level, NavMesh, Part, Required, Solid, Spawn, Zone
+
+KILL_BELOW_M = 10.0  # deep enough that no pit inside the geometry is a fall
+BOUNDS_MARGIN_M = (
+    50.0  # farther than any character jumps off the geometry's edge before it falls below kill_z
+)
+
+
+def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
+    """Read a level file and everything it names.
+
+    `overrides` are values from the command line, section by section as in the file; they win over it.
+    Raises BadInput with all problems found: in the schema, the files, the geometry, and its plausibility.
+    """
+    path = Path(path)
+    given = overrides or {}
+    document, data = read_yaml(path)
+    document = merge(document, given)
+    spec, problems = parse(document, path.name, given)
+    if spec is None:
+        raise BadInput(problems + list(_missing_files(document, path)), path)
+    builder = _Builder(spec, path)
+    builder.read()
+    if builder.collision_known:
+        level = builder.level(data)
+        builder.problems += check_level(level).problems
+    if builder.problems or not builder.collision_known:
+        raise BadInput(builder.problems, path)
+    return level
+
+
+def _missing_files(document: Mapping[str, Any], path: Path) -> Iterator[Problem]:
+    """The files that a document with other mistakes names in vain."""
+    geometry = document.get("geometry")
+    items = geometry if isinstance(geometry, list) else []
+    named = [(f"geometry[{index}]", item, MESH_READERS) for index, item in enumerate(items)]
+    for key, item, readers in [*named, ("navmesh", document.get("navmesh"), NAVMESH_READERS)]:
+        mesh = item.get("mesh") if isinstance(item, dict) else None
+        if isinstance(mesh, str) and mesh and (problem := file_problem(mesh, path.parent, readers)):
+            yield Problem(f"{path.name}: {key}.mesh", *problem)
+
+
+@dataclass
+class _Builder:
+    """Collects a level piece by piece, and the problems on the way."""
+
+    spec: LevelSpec
+    path: Path
+
+    def __post_init__(self) -> None:
+        self.folder = self.path.parent
+        self.frame = make_frame(self.spec.frame.up_axis, self.spec.frame.units)
+        self.problems: list[Problem] = []
+        self.collision: list[Floats] = []
+        self.solids: list[Solid] = []
+        self.parts: list[Part] = []
+        self.meshes: list[Mesh] = []
+        self.navmesh: Mesh | None = None
+        self.collision_known = True
+
+    def read(self) -> None:
+        """Read geometry and nav-mesh."""
+        for index, item in enumerate(self.spec.geometry):
+            where = f"{self.path.name}: geometry[{index}]"
+            try:
+                pieces = self._pieces(item, where)
+            except BadInput as error:
+                self.problems += error.problems
+                self.collision_known &= item.role == "solid"
+                continue
+            self._add(item, pieces, where, index)
+        if self.collision_known and not sum(map(len, self.collision)):
+            remedy = "give at least one piece of geometry role: collision or both"
+            self.problems.append(Problem(f"{self.path.name}: geometry", "has no collision surface", remedy))
+            self.collision_known = False
+        try:
+            where = f"{self.path.name}: navmesh"
+            self.navmesh = read_mesh(self.spec.navmesh, self.folder, self.spec.frame, NAVMESH_READERS, where)
+            self.meshes.append(self.navmesh)
+        except BadInput as error:
+            self.problems += error.problems
+
+    def _pieces(self, item: GeometrySpec, where: str) -> tuple[Piece, ...]:
+        if item.shape == "mesh":
+            mesh = read_mesh(item, self.folder, self.spec.frame, MESH_READERS, where)
+            self.meshes.append(mesh)
+            return mesh.pieces
+        shape = item.shape
+        try:
+            triangles = PRIMITIVES[shape].build(getattr(item, shape), self.frame)
+        except ValueError as error:
+            raise BadInput([Problem(f"{where}.{shape}", "has no extent", str(error))]) from error
+        faces = np.arange(3 * len(triangles), dtype=np.int64).reshape(-1, 3)
+        return (Piece(item.name or shape, triangles.reshape(-1, 3), faces),)
+
+    def _add(self, item: GeometrySpec, pieces: tuple[Piece, ...], where: str, index: int) -> None:
+        label = item.name or (f"{item.shape} {index}" if item.shape != "mesh" else Path(str(item.mesh)).stem)
+        for piece in pieces:
+            used = piece.triangles.reshape(-1, 3)
+            name = label if len(pieces) == 1 and (item.name or item.shape != "mesh") else piece.name
+            self.parts.append(Part(name, used.min(axis=0), used.max(axis=0)))
+        if item.role != "solid":
+            self.collision += [piece.triangles for piece in pieces]
+        if item.role != "collision":
+            solids, problems = make_solids(label, pieces, where, self.frame)
+            self.solids += solids
+            self.problems += problems
+
+    def level(self, data: bytes) -> ReadLevel:
+        """The level, as far as it could be read."""
+        spec = self.spec
+        collision = np.concatenate(self.collision)
+        thin = degenerate(collision)
+        collision = collision[~thin]
+        low, high = collision.min(axis=(0, 1)), collision.max(axis=(0, 1))
+        kill_z = spec.kill_z_m if spec.kill_z_m is not None else float(low[2]) - KILL_BELOW_M
+        navmesh, thin_nav = self._navmesh()
+        return ReadLevel(
+            name=spec.name or self.path.resolve().parent.name or "level",
+            file=self.path,
+            sha256=_digest([data, *(mesh.digest_data for mesh in self.meshes)]),
+            frame=self.frame,
+            collision=collision,
+            solids=tuple(self.solids),
+            parts=tuple(self.parts),
+            navmesh=navmesh,
+            character=spec.character.character(),
+            spawns=tuple(
+                Spawn(spawn.name or f"spawn {index}", self._point(spawn.position))
+                for index, spawn in enumerate(spec.spawns)
+            ),
+            kill_z_m=kill_z,
+            bounds=self._bounds(low, high, kill_z),
+            zones=tuple(Zone(zone.name, zone.kind, *zone.box.level_box(self.frame)) for zone in spec.zones),
+            required=tuple(
+                Required(place.name, self._point(place.position), place.within_m) for place in spec.required
+            ),
+            explore=spec.explore.settings(),
+            gate=GateSettings(**spec.gate.model_dump()),
+            reading=Reading(int(thin.sum()), thin_nav, self._navmesh_frame()),
+        )
+
+    def _point(self, position: Sequence[float]) -> Floats:
+        return self.frame.to_level(np.array(position))
+
+    def _navmesh_frame(self) -> Frame:
+        return self.navmesh.frame if self.navmesh else self.frame
+
+    def _navmesh(self) -> tuple[NavMesh, int]:
+        """The nav-mesh without degenerate triangles, and their number; empty if it could not be read."""
+        if self.navmesh is None:
+            return NavMesh(str(self.spec.navmesh.mesh), np.zeros((0, 3)), np.zeros((0, 3), np.int64)), 0
+        pieces = self.navmesh.pieces
+        starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
+        vertices = np.concatenate([piece.vertices for piece in pieces])
+        faces = np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)])
+        thin = degenerate(vertices[faces])
+        return NavMesh(self.navmesh.file, vertices, faces[~thin]), int(thin.sum())
+
+    def _bounds(self, low: Floats, high: Floats, kill_z: float) -> tuple[Floats, Floats]:
+        if self.spec.bounds_m:
+            return np.array(self.spec.bounds_m.low), np.array(self.spec.bounds_m.high)
+        margin = np.full(3, BOUNDS_MARGIN_M)
+        return np.append((low - margin)[:2], kill_z), high + margin
+
+
+def _digest(contents: Sequence[bytes]) -> str:
+    digest = hashlib.sha256()
+    for content in contents:
+        digest.update(content)
+    return digest.hexdigest()

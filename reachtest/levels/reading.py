@@ -1,0 +1,23 @@
+"""What only the reader knows about a level, kept beside it for the checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from reachtest.records import Frame, Level
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the files were read."""
+
+    degenerate_collision: int  # triangles left out
+    degenerate_navmesh: int
+    navmesh_frame: Frame
+
+
+@dataclass(frozen=True)
+class ReadLevel(Level):
+    """A level that was read from files."""
+
+    reading: Reading

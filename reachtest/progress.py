@@ -1,0 +1,107 @@
+"""Progress on stderr: a bar on a terminal, a plain line every few seconds elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Protocol, Self, TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from reachtest.records import ExploreSettings, RoundRecord
+
+LINE_EVERY_S = 5.0
+
+
+class ProgressDisplay(Protocol):
+    """An observer that is opened and closed around the run."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def on_round(self, record: RoundRecord) -> None: ...
+
+
+class BarProgress:
+    """A rich progress bar: steps, steps/s, points, goals reached, time left."""
+
+    def __init__(self, settings: ExploreSettings, stream: TextIO) -> None:
+        console = Console(file=stream)
+        columns = (
+            TextColumn("{task.fields[steps]} steps"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[what]}"),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        self._progress = Progress(*columns, console=console, transient=True)
+        self._task = self._progress.add_task("", total=settings.steps, steps="0", what="starting")
+        self._began = time.monotonic()
+
+    def __enter__(self) -> Self:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def on_round(self, record: RoundRecord) -> None:
+        """Move the bar."""
+        what = _what(record, time.monotonic() - self._began)
+        steps = f"{record.agent_steps:,}"
+        self._progress.update(self._task, completed=record.agent_steps, steps=steps, what=what)
+
+
+class LineProgress:
+    """One plain line every few seconds, for logs of a build."""
+
+    def __init__(self, settings: ExploreSettings, stream: TextIO) -> None:
+        self._total, self._stream = settings.steps, stream
+        self._began = self._last = time.monotonic()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        return None
+
+    def on_round(self, record: RoundRecord) -> None:
+        """Print a line when the last one is old enough."""
+        now = time.monotonic()
+        if now - self._last < LINE_EVERY_S:
+            return
+        self._last = now
+        left = (now - self._began) * (self._total - record.agent_steps) / record.agent_steps
+        text = f"{record.agent_steps:,} of {self._total:,} steps, {_what(record, now - self._began)}"
+        print(f"{text}, about {left:.0f} s left", file=self._stream, flush=True)
+
+
+class NoProgress(LineProgress):
+    """Says nothing."""
+
+    def on_round(self, record: RoundRecord) -> None:
+        """Ignore the round."""
+
+
+def progress_for(settings: ExploreSettings, quiet: bool, stream: TextIO | None = None) -> ProgressDisplay:
+    """The display that fits where stderr goes."""
+    stream = stream or sys.stderr
+    if quiet:
+        return NoProgress(settings, stream)
+    return BarProgress(settings, stream) if stream.isatty() else LineProgress(settings, stream)
+
+
+def _what(record: RoundRecord, elapsed_s: float) -> str:
+    rate = record.agent_steps / max(elapsed_s, 1e-9)
+    goals = f"{record.goals_reached} of {record.goals_total} goals"
+    falls = f", {record.falls} falls" if record.falls else ""
+    return f"{rate:,.0f} steps/s, {record.points:,} points, {goals}{falls}"

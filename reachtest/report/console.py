@@ -1,0 +1,85 @@
+"""The result as it ends up in the terminal."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from reachtest.records import Finding, Level, Report
+from reachtest.report import wording
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+MAX_GATING, MAX_OTHERS = 10, 5  # about one screen; summary.md has the rest
+STYLES = {"pass": "bold green", "fail": "bold red", "inconclusive": "bold yellow"}
+LABEL_WIDTH = 11
+
+
+def console_summary(report: Report, width: int) -> Text:
+    """Verdict, findings, coverage and the next step, wrapped to `width` columns (at least 40)."""
+    from rich.text import Text
+
+    text = Text(no_wrap=True, overflow="ignore")
+    for line, style in _lines(report, max(width, 40)):
+        text.append(line + "\n", style)
+    text.right_crop()  # the caller's print ends the last line
+    return text
+
+
+def _lines(report: Report, width: int) -> list[tuple[str, str]]:
+    verdict, gating = report.verdict, wording.gating(report.findings)
+    others = [finding for finding in report.findings if not finding.gating]
+    head = (
+        f"{verdict.name.upper()}  {wording.one_line(report.level.name)}: {wording.one_line(verdict.reason)}"
+    )
+    lines = [(line, STYLES[verdict.name]) for line in textwrap.wrap(head, width, subsequent_indent="  ")]
+    if report.findings:
+        axes = wording.axes(report.level)
+        note = f"Positions are in the level file's own coordinates ({axes})."
+        lines += [(line, "dim") for line in textwrap.wrap(note, width)]
+    for number, finding in enumerate(gating[:MAX_GATING], start=1):
+        lines += _gating(number, finding, report.level, width)
+    lines += _more(len(gating) - MAX_GATING)
+    if others:
+        lines += [("", ""), (f"Does not fail the build ({len(others)})", "bold")]
+        for finding in others[:MAX_OTHERS]:
+            lines += [(line, "") for line in _other(finding, report.level, width)]
+        lines += _more(len(others) - MAX_OTHERS)
+    lines.append(("", ""))
+    for label, sentence in [*wording.run_facts(report), ("Next", wording.next_step(report))]:
+        lines += [(line, "bold" if label == "Next" else "") for line in _row("", label, sentence, width)]
+    return lines
+
+
+def _gating(number: int, finding: Finding, level: Level, width: int) -> list[tuple[str, str]]:
+    title = f"{number}. {wording.title(finding)}"
+    near = f"  near {wording.one_line(finding.nearest_named)}" if finding.nearest_named else ""
+    rows = [("where", wording.place(level, finding.position) + near)]
+    if left_at := wording.exit_place(level, finding):
+        rows.append(("left at", f"{left_at}  (last place on the nav-mesh)"))
+    rows.append(("how bad", f"{finding.severity}, {wording.extent(finding)}"))
+    rows.append(("see it", wording.evidence(finding)))
+    lines = [("", "")]
+    lines += [(line, "bold") for line in textwrap.wrap(title, width, subsequent_indent="   ")]
+    for label, sentence in rows:
+        lines += [(line, "") for line in _row("   ", label, sentence, width)]
+    kind_and_id = f"{finding.kind}, {wording.one_line(finding.id)}"
+    return lines + [(line, "dim") for line in _row("   ", "kind, id", kind_and_id, width)]
+
+
+def _other(finding: Finding, level: Level, width: int) -> list[str]:
+    title = f"- {wording.title(finding)}"
+    place = f"{wording.place(level, finding.position)}  ({wording.why_not_gating(finding)})"
+    return textwrap.wrap(title, width, initial_indent=" ", subsequent_indent="   ") + _row(
+        "   ", "where", place, width
+    )
+
+
+def _more(count: int) -> list[tuple[str, str]]:
+    return [(f"   ...and {count:,} more in summary.md", "dim")] if count > 0 else []
+
+
+def _row(indent: str, label: str, sentence: str, width: int) -> list[str]:
+    first = indent + label.ljust(LABEL_WIDTH)
+    return textwrap.wrap(sentence, width, initial_indent=first, subsequent_indent=" " * len(first))

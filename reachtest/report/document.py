@@ -1,0 +1,183 @@
+"""report.json as data: the public contract that other programs read.
+
+Whatever depends on the clock or the machine stands under `timing` and nowhere else: the rest is the same,
+byte for byte, for the same level, configuration and seed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from reachtest.records import Exploration, Finding, Level, ReplayPath, Verdict
+
+SCHEMA_VERSION = 1
+POSITION_DIGITS = 3  # 1 mm: finer than any editor's grid, coarse enough to read
+FRACTION_DIGITS = 6
+
+
+def build_document(
+    level: Level,
+    exploration: Exploration,
+    findings: tuple[Finding, ...],
+    verdict: Verdict,
+    tool_version: str,
+    started_at: str,
+) -> dict[str, Any]:
+    """The whole of report.json, in plain JSON types, keys in the order of the contract."""
+    settings = exploration.settings
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "tool": {"name": "reachtest", "version": tool_version},
+        "verdict": verdict.name,
+        "verdict_reason": verdict.reason,
+        "exit_code": verdict.exit_code,
+        "stop_reason": exploration.stop_reason.name.lower(),
+        "level": {"name": level.name, "file": level.file.name, "sha256": level.sha256},
+        "config": _config(level, exploration),
+        "seed": exploration.seed,
+        "run": {
+            "agent_steps": exploration.agent_steps,
+            "episodes": exploration.episodes,
+            "agents": settings.agents,
+            "diverged_episodes": exploration.diverged_episodes,
+        },
+        "coverage": _coverage(exploration),
+        "positions": _positions(exploration),
+        "risk": _risk(exploration),
+        "findings": [_finding(level, finding) for finding in findings],
+        "timing": _timing(exploration, started_at),
+    }
+
+
+def plain(value: Any, digits: int = FRACTION_DIGITS) -> Any:
+    """`value` in JSON types: arrays as lists, floats rounded, NaN and infinity as None."""
+    if isinstance(value, dict):
+        return {str(key): plain(item, digits) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist(), digits)
+    if isinstance(value, list | tuple):
+        return [plain(item, digits) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item(), digits)
+    if isinstance(value, float):
+        return round(value, digits) + 0.0 if math.isfinite(value) else None  # + 0.0: no "-0.0"
+    return value
+
+
+def _place(position: Any) -> Any:
+    return plain(position, POSITION_DIGITS)
+
+
+def _config(level: Level, exploration: Exploration) -> dict[str, Any]:
+    return {
+        "character": plain(dataclasses.asdict(level.character)),
+        "explore": plain(dataclasses.asdict(exploration.settings)),
+        "gate": plain(dataclasses.asdict(level.gate)),
+        "frame": {
+            "up_axis": level.frame.up_axis,
+            "units": level.frame.units,
+            "matrix": plain(level.frame.matrix),
+        },
+        "kill_z_m": plain(level.kill_z_m),
+        "bounds": _place(level.bounds),
+        "spawns": [{"name": spawn.name, "position": _place(spawn.position)} for spawn in level.spawns],
+        "zones": [
+            {"name": zone.name, "kind": zone.kind, "bounds": _place([zone.low, zone.high])}
+            for zone in level.zones
+        ],
+        "required": [
+            {"name": place.name, "position": _place(place.position), "within_m": plain(place.within_m)}
+            for place in level.required
+        ],
+        "solids": [solid.name for solid in level.solids],
+        "collision_triangles": len(level.collision),
+        "navmesh_triangles": len(level.navmesh.faces),
+    }
+
+
+def _coverage(exploration: Exploration) -> dict[str, Any]:
+    total = len(exploration.goals)
+    reached = int((exploration.goal_step >= 0).sum())
+    all_reached = total > 0 and reached == total
+    return {
+        "goals_total": total,
+        "goals_reached": reached,
+        "goals_unreached": total - reached,
+        "goals_reached_fraction": plain(reached / total) if total else None,
+        "all_goals_step": int(exploration.goal_step.max()) if all_reached else None,
+        "required_total": len(exploration.required_step),
+        "required_reached": int((exploration.required_step >= 0).sum()),
+    }
+
+
+def _positions(exploration: Exploration) -> dict[str, int]:
+    discovered = len(exploration.points)
+    expected = int(exploration.points.expected.sum())
+    return {"discovered": discovered, "expected": expected, "unexpected": discovered - expected}
+
+
+def _risk(exploration: Exploration) -> dict[str, Any]:
+    """Good-Turing and Chao2 for incidence data; the unit of sampling is one episode."""
+    once, twice, episodes = exploration.cells_once, exploration.cells_twice, exploration.episodes
+    if episodes == 0:
+        return {"discovery_probability": None, "estimated_positions_total": None, "unit": "episode"}
+    unseen = once**2 / (2 * twice) if twice else once * (once - 1) / 2
+    return {
+        "discovery_probability": plain(min(1.0, once / episodes)),
+        "estimated_positions_total": round(exploration.cells_total + (episodes - 1) / episodes * unseen, 1),
+        "unit": "episode",
+    }
+
+
+def _finding(level: Level, finding: Finding) -> dict[str, Any]:
+    path = finding.path
+    return {
+        "id": finding.id,
+        "kind": finding.kind,
+        "severity": finding.severity,
+        "gating": finding.gating,
+        "title": finding.title,
+        "position": _place(finding.position),
+        "source_position": _place(level.frame.to_source(finding.position)),
+        "bounds": _place([finding.low, finding.high]),
+        "points": finding.points,
+        "exit_point": _exit_point(finding),
+        "nearest_named": finding.nearest_named,
+        "first_seen_step": finding.first_seen_step,
+        "reproduced": {
+            "attempts": path.attempts if path else 0,
+            "succeeded": path.succeeded if path else 0,
+        },
+        "path": _path(path) if path else None,
+        "suppressed_by": finding.suppressed_by,
+    }
+
+
+def _exit_point(finding: Finding) -> Any:
+    known = finding.exit_point is not None and np.isfinite(finding.exit_point).all()
+    return _place(finding.exit_point) if known else None
+
+
+def _path(path: ReplayPath) -> dict[str, Any]:
+    return {
+        "start": _place(path.start),
+        "episodes": [dataclasses.asdict(origin) for origin in path.episodes],
+        "duration_s": plain(path.duration_s, 3),
+    }
+
+
+def _timing(exploration: Exploration, started_at: str) -> dict[str, Any]:
+    measured = {name: plain(seconds, 3) for name, seconds in exploration.timing.items()}
+    wall_s = exploration.timing.get("wall_s", 0.0)
+    return {
+        "started_at": started_at,
+        "wall_s": measured.pop("wall_s", None),
+        "agent_steps_per_s": round(exploration.agent_steps / wall_s, 1) if wall_s > 0 else None,
+        "physics_s": measured.pop("physics_s", None),
+        "cache_s": measured.pop("cache_s", None),
+        **measured,
+    }

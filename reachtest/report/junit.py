@@ -1,0 +1,96 @@
+"""junit.xml: the report for GitLab, Jenkins and whatever else draws test results.
+
+One test case a gating kind that found nothing, one failing case a finding (its stable id in the name, so that
+a CI system sees which failures are new), one for the goals and one for whether the run could tell.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+
+from reachtest.records import Finding, Level, Report
+from reachtest.report import wording
+
+# What XML 1.0 cannot hold, escaped or not.
+_ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def render(report: Report) -> str:
+    """A `testsuites` document with one suite."""
+    name = f"reachtest.{wording.one_line(report.level.name)}"
+    suite = ET.Element("testsuite", name=_legal(name))
+    gating = wording.gating(report.findings)
+    for kind in report.level.gate.fail_on:
+        found = [finding for finding in gating if finding.kind == kind]
+        for finding in found:
+            _finding_case(suite, name, finding, report.level)
+        if not found:
+            _case(suite, name, kind)
+    for finding in gating:
+        if finding.kind not in report.level.gate.fail_on:
+            _finding_case(suite, name, finding, report.level)
+    _run_cases(suite, name, report)
+    others = [finding for finding in report.findings if not finding.gating]
+    if others:
+        ET.SubElement(suite, "system-out").text = _legal("\n".join(map(_other_line, others)))
+    return _document(suite, report)
+
+
+def _document(suite: ET.Element, report: Report) -> str:
+    for attribute, elements in (("tests", "testcase"), ("failures", "failure"), ("errors", "error")):
+        suite.set(attribute, str(len(list(suite.iter(elements)))))
+    suite.set("time", f"{report.exploration.timing.get('wall_s', 0.0):.3f}")
+    suite.set("timestamp", _legal(report.started_at))
+    root = ET.Element("testsuites")
+    root.append(suite)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _case(suite: ET.Element, suite_name: str, name: str) -> ET.Element:
+    return ET.SubElement(suite, "testcase", classname=_legal(suite_name), name=_legal(name))
+
+
+def _finding_case(suite: ET.Element, suite_name: str, finding: Finding, level: Level) -> None:
+    title = wording.title(finding)
+    case = _case(suite, suite_name, f"{finding.kind} [{wording.one_line(finding.id)}]")
+    near = f"near {wording.one_line(finding.nearest_named)}" if finding.nearest_named else ""
+    lines = [
+        title,
+        f"where:   {wording.place(level, finding.position)} ({wording.axes(level)}) {near}".rstrip(),
+        f"how bad: {finding.severity}, {wording.extent(finding)}",
+        f"see it:  {wording.evidence(finding)}",
+    ]
+    if left_at := wording.exit_place(level, finding):
+        lines.insert(2, f"left the nav-mesh at {left_at}")
+    _problem(case, "failure", finding.kind, f"{title} at {wording.place(level, finding.position)}", lines)
+
+
+def _run_cases(suite: ET.Element, suite_name: str, report: Report) -> None:
+    """The goals, and whether the run could tell: an inconclusive run is one error, at its cause."""
+    wanted, goal_step = report.level.gate.min_goals_reached, report.exploration.goal_step
+    total, reached = len(goal_step), int((goal_step >= 0).sum())
+    inconclusive = report.verdict.name == "inconclusive"
+    goals_missing = report.verdict.name != "pass" and reached < wanted * total
+    facts = [f"{label}: {text}" for label, text in wording.run_facts(report)]
+    goals = _case(suite, suite_name, "goals_reached")
+    if goals_missing:
+        message = f"{reached} of {total} goals reached, {100 * wanted:g} % wanted"
+        _problem(goals, "error" if inconclusive else "failure", "goals_reached", message, facts)
+    explored = _case(suite, suite_name, "explored_enough")
+    if inconclusive and not goals_missing:
+        _problem(explored, "error", "inconclusive", wording.one_line(report.verdict.reason), facts)
+
+
+def _problem(case: ET.Element, tag: str, kind: str, message: str, lines: list[str]) -> None:
+    ET.SubElement(case, tag, type=_legal(kind), message=_legal(message)).text = _legal("\n".join(lines))
+
+
+def _other_line(finding: Finding) -> str:
+    title = wording.title(finding)
+    return f"{wording.kind_words(finding.kind)}: {title} ({wording.why_not_gating(finding)})"
+
+
+def _legal(text: str) -> str:
+    return _ILLEGAL.sub("", text)

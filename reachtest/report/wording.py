@@ -1,0 +1,148 @@
+"""The sentences that the outputs for people share: plain text, one line each, nothing escaped yet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from reachtest.records import Finding, Level, Report, StopReason
+
+MAX_TEXT = 160  # characters of a name or title: a generated name can be longer than the page
+
+
+def one_line(text: str) -> str:
+    """`text` made fit to print: no control characters or line breaks, no broken Unicode, not too long."""
+    printable = "".join(char if char.isprintable() else " " for char in text)
+    line = " ".join(printable.split())
+    return line if len(line) <= MAX_TEXT else f"{line[: MAX_TEXT - 3]}..."
+
+
+def place(level: Level, position: Any) -> str:
+    """A position [3] [m] as "x, y, z" in the level file's own axes and units, to 1 cm, ready to paste."""
+    metres_a_unit = float(np.linalg.norm(level.frame.matrix[:, 0]))
+    digits = max(0, math.ceil(math.log10(metres_a_unit / 0.01) - 1e-9))
+    values = level.frame.to_source(position).round(digits) + 0.0  # + 0.0: no "-0"
+    return ", ".join(f"{value:.{digits}f}" for value in values.tolist())
+
+
+def exit_place(level: Level, finding: Finding) -> str | None:
+    """The last place on the nav-mesh before the finding, as `place` puts it; None if there is none."""
+    if finding.exit_point is None or not np.isfinite(finding.exit_point).all():
+        return None
+    return place(level, finding.exit_point)
+
+
+def axes(level: Level) -> str:
+    """Says in which coordinates `place` speaks."""
+    return f"{level.frame.up_axis} up, {level.frame.units}"
+
+
+def kind_words(kind: str) -> str:
+    """`fell_out_of_world` as people say it."""
+    return kind.replace("_", " ")
+
+
+def title(finding: Finding) -> str:
+    """What is wrong, in one line."""
+    return one_line(finding.title) or kind_words(finding.kind)
+
+
+def gating(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings that fail the build."""
+    return [finding for finding in findings if finding.gating]
+
+
+def extent(finding: Finding) -> str:
+    """How big it is: number of points and the size of the box around them."""
+    if finding.points == 1:
+        return plural(1, "point")
+    sides = " x ".join(f"{side:.1f}" for side in (finding.high - finding.low).tolist())
+    return f"{plural(finding.points, 'point')} over {sides} m"
+
+
+def evidence(finding: Finding) -> str:
+    """How to see it again: length of the recorded path and how often it reproduced."""
+    path = finding.path
+    if path is None:
+        return "no recorded path"
+    return f"{path.duration_s:.1f} s from the spawn, reproduced {path.succeeded} of {path.attempts}"
+
+
+def why_not_gating(finding: Finding) -> str:
+    """Why the build does not fail because of it."""
+    if finding.suppressed_by is not None:
+        return f"suppressed by {one_line(finding.suppressed_by)}"
+    return f"{finding.kind} is not in fail_on"
+
+
+def plural(count: int, noun: str) -> str:
+    """ "1 point", "1,200 points"."""
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
+
+
+def run_facts(report: Report) -> list[tuple[str, str]]:
+    """What was explored, how sure that is and why it stopped, as (label, sentence)."""
+    exploration = report.exploration
+    total, reached = len(exploration.goals), int((exploration.goal_step >= 0).sum())
+    percent = math.floor(1000 * reached / total) / 10 if total else 0.0  # 99.97 % is not 100 %
+    positions = report.document["positions"]
+    facts = [
+        ("Goals", f"{reached:,} of {total:,} reached ({percent:g} %)"),
+        ("Positions", f"{positions['discovered']:,}, of which {positions['unexpected']:,} off the nav-mesh"),
+        ("Risk", _risk(report)),
+        ("Stopped", _stop(report)),
+    ]
+    if len(exploration.required_step):
+        text = f"{(exploration.required_step >= 0).sum():,} of {len(exploration.required_step):,} reached"
+        facts.insert(1, ("Required", text))
+    if exploration.diverged_episodes:
+        text = f"{plural(exploration.diverged_episodes, 'episode')} dropped because the simulation diverged"
+        facts.append(("Physics", text))
+    return facts
+
+
+def _risk(report: Report) -> str:
+    risk, settings = report.document["risk"], report.exploration.settings
+    if risk["discovery_probability"] is None:
+        return "unknown: no episode was run"
+    episode_s = settings.reset_interval * settings.action_repeat / settings.physics_hz
+    return (
+        f"one more {risk['unit']} ({episode_s:.0f} s of play) finds a new place with at most "
+        f"{100 * risk['discovery_probability']:.2g} % probability; {report.exploration.cells_total:,} of an "
+        f"estimated {risk['estimated_positions_total']:,.0f} places were seen"
+    )
+
+
+def _stop(report: Report) -> str:
+    exploration = report.exploration
+    wall_s = exploration.timing.get("wall_s")
+    took = "" if wall_s is None else f" and {wall_s:,.0f} s"
+    return (
+        f"{exploration.stop_reason.value} after {exploration.agent_steps:,} agent steps, "
+        f"{plural(exploration.episodes, 'episode')}{took}"
+    )
+
+
+def next_step(report: Report) -> str:
+    """What to do now."""
+    if report.verdict.name == "inconclusive":
+        return _next_inconclusive(report)
+    if report.verdict.name == "fail":
+        return (
+            "paste a position into your editor, or open run.mcap in Foxglove, Lichtblick or Rerun "
+            "to see how the character got there"
+        )
+    return "look at the findings that do not fail the build" if report.findings else "nothing to do"
+
+
+def _next_inconclusive(report: Report) -> str:
+    exploration = report.exploration
+    if exploration.stop_reason in (StopReason.INTERRUPTED, StopReason.TERMINATED):
+        return "run again with --resume to go on where it stopped"
+    if len(exploration.goals) and not (exploration.goal_step >= 0).any():
+        return "no goal was reached at all: check the spawn, the axes and the units in the level file"
+    longer = f"run longer, for example with --steps {2 * exploration.agent_steps}"
+    return f"{longer}, or open run.mcap to see which places are cut off"

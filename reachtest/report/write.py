@@ -1,0 +1,24 @@
+"""Writes every report output, each whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from reachtest.records import Report
+from reachtest.report import REPORTS
+
+
+def write_reports(report: Report, folder: Path) -> list[Path]:
+    """Render `REPORTS` into `folder` (made if missing); returns the files written. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {name: render(report) for name, render in REPORTS.items()}
+    return [_write(folder / name, text) for name, text in texts.items()]
+
+
+def _write(path: Path, text: str) -> Path:
+    part = path.with_name(f".{path.name}.part")
+    # Names out of a level file may hold half a surrogate pair: lose that character, not the report.
+    part.write_bytes(text.encode("utf-8", errors="replace"))
+    os.replace(part, path)
+    return path

@@ -1,0 +1,102 @@
+"""Readers and frames, whatever they are given."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reachtest.errors import BadInput
+from reachtest.levels import MESH_READERS
+from reachtest.levels.frames import UNITS, UP_AXES, make_frame, unit_name
+from reachtest.levels.meshes import Mesh, read_mesh
+from reachtest.levels.schema import FrameSpec, MeshSpec
+from reachtest.levels.solids import find_leaks
+
+coordinates = st.floats(-1e5, 1e5, allow_nan=False)
+points = st.tuples(coordinates, coordinates, coordinates)
+units = st.one_of(st.sampled_from(sorted(UNITS)), st.floats(1e-4, 1e3))
+frames = st.builds(make_frame, st.sampled_from(sorted(UP_AXES)), units, st.floats(1e-2, 1e2), st.booleans())
+
+
+def read(data: bytes, suffix: str) -> Mesh:
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / f"m{suffix}").write_bytes(data)
+        spec = MeshSpec.model_validate({"mesh": f"m{suffix}", "up_axis": "z"})
+        return read_mesh(
+            spec, Path(folder), FrameSpec.model_validate({}), MESH_READERS, "level.yaml: geometry[0]"
+        )
+
+
+def box(suffix: str) -> bytes:
+    import trimesh
+
+    mesh = trimesh.creation.box(extents=[2, 3, 4])
+    data = mesh.export(file_type=suffix.removeprefix("."))
+    return data if isinstance(data, bytes) else str(data).encode()
+
+
+BOXES = {suffix: box(suffix) for suffix in (".obj", ".glb", ".ply", ".stl")}
+
+
+@given(frames, points)
+def test_frame_there_and_back(frame, point) -> None:
+    there = frame.to_level(np.array(point))
+    np.testing.assert_allclose(frame.to_source(there), point, rtol=1e-9, atol=1e-6)
+
+
+@given(frames, points, points)
+def test_frame_only_scales_distances(frame, one, other) -> None:
+    scale = np.cbrt(abs(np.linalg.det(frame.matrix)))
+    before = np.linalg.norm(np.subtract(one, other))
+    after = np.linalg.norm(frame.to_level(np.array(one)) - frame.to_level(np.array(other)))
+    assert after == pytest.approx(before * scale, rel=1e-6, abs=1e-6)
+
+
+@given(st.sampled_from(sorted(UP_AXES)), units)
+def test_up_is_up(up_axis, unit) -> None:
+    up = {"y": [0.0, 1.0, 0.0], "z": [0.0, 0.0, 1.0]}[up_axis]
+    frame = make_frame(up_axis, unit)
+    assert frame.to_level(np.array(up))[2] > 0
+    assert np.linalg.det(frame.matrix) > 0
+
+
+@given(st.sampled_from(sorted(UNITS)))
+def test_unit_names_are_found_again(name) -> None:
+    assert unit_name(UNITS[name]) == name
+
+
+@pytest.mark.parametrize("suffix", BOXES)
+def test_same_box_from_every_format(suffix: str) -> None:
+    triangles = read(BOXES[suffix], suffix).pieces[0].triangles
+    assert triangles.shape == (12, 3, 3)
+    assert find_leaks(triangles).closed
+    assert np.linalg.det(triangles).sum() / 6 == pytest.approx(24, rel=1e-5)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.sampled_from(sorted(BOXES)), st.data())
+def test_damaged_files_are_refused_or_read_but_never_crash(suffix, data) -> None:
+    whole = bytearray(BOXES[suffix])
+    cut = data.draw(st.integers(0, len(whole)))
+    for at in data.draw(st.lists(st.integers(0, len(whole) - 1), max_size=4)):
+        whole[at] = data.draw(st.integers(0, 255))
+    try:
+        mesh = read(bytes(whole[:cut]), suffix)
+    except BadInput as error:
+        assert all(problem.remedy and f"m{suffix}" in problem.found for problem in error.problems)
+        return
+    for piece in mesh.pieces:
+        assert np.isfinite(piece.triangles).all()
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".ply", ".stl"])
+def test_binary_file_cut_anywhere_is_refused(suffix: str) -> None:
+    whole = BOXES[suffix]
+    for cut in range(0, len(whole) - 1, 37):
+        with pytest.raises(BadInput):
+            read(whole[:cut], suffix)

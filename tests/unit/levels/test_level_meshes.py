@@ -1,0 +1,257 @@
+"""Mesh files: what is read from them, and what is wrong with them."""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
+
+from reachtest.levels import MESH_READERS, NAVMESH_READERS, check_level, load_level
+
+FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}
+Z_UP = {"up_axis": "z"}
+
+
+def with_mesh(write_level: WriteLevel, name: str, data: bytes | str, **keys: Any) -> Path:
+    """The small level with one more mesh, which is what it stands on."""
+    path = write_level(geometry=[FLOOR, {"mesh": name, **keys}])
+    (path.parent / name).write_bytes(data.encode() if isinstance(data, str) else data)
+    return path
+
+
+def test_tables_hold_what_the_manual_promises() -> None:
+    assert set(MESH_READERS) == {".obj", ".glb", ".gltf", ".ply", ".stl"}
+    assert set(NAVMESH_READERS) == {".obj", ".glb", ".gltf"}
+
+
+def test_missing_file_lists_near_names(write_level: WriteLevel) -> None:
+    where, found, remedy = only_problem(write_level(navmesh={"mesh": "Nav_.obj"}))
+    assert where == "level.yaml: navmesh.mesh"
+    assert "Nav_.obj does not exist" in found
+    assert "did you mean 'nav.obj'?" in remedy
+
+
+def test_missing_folder_is_said_as_such(write_level: WriteLevel) -> None:
+    _, found, _ = only_problem(write_level(navmesh={"mesh": "art/nav.obj"}))
+    assert "there is no folder art" in found
+
+
+@pytest.mark.parametrize("name", ["level.fbx", "level"])
+def test_wrong_type_lists_the_valid_ones(write_level: WriteLevel, name: str) -> None:
+    _, found, remedy = only_problem(with_mesh(write_level, name, "x"))
+    assert name in found
+    assert ".glb .gltf .obj .ply .stl" in remedy
+
+
+def test_navmesh_types_are_fewer(write_level: WriteLevel) -> None:
+    path = write_level(navmesh={"mesh": "nav.stl"})
+    (path.parent / "nav.stl").write_text("solid\nendsolid\n")
+    assert ".glb .gltf .obj" in only_problem(path)[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "data"),
+    [
+        ("empty.obj", ""),
+        ("points.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\n"),
+        ("empty.glb", glb(gltf_tree(meshes=[], nodes=[], scenes=[{"nodes": []}]))),
+    ],
+)
+def test_no_triangles(write_level: WriteLevel, name: str, data: bytes | str) -> None:
+    where, found, _ = only_problem(with_mesh(write_level, name, data))
+    assert where == "level.yaml: geometry[1].mesh"
+    assert name in found
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+def test_vertices_that_are_no_numbers(write_level: WriteLevel, bad: float) -> None:
+    vertices = QUAD.copy()
+    vertices[2:, 1] = bad
+    _, found, _ = only_problem(with_mesh(write_level, "a.glb", glb(vertices=vertices)))
+    assert "a.glb: 2 of 4 vertices of 'ground' are NaN or infinite, the first is vertex 2" in found
+
+
+def test_faces_out_of_range_glb(write_level: WriteLevel) -> None:
+    _, found, _ = only_problem(with_mesh(write_level, "a.glb", glb(faces=[[0, 1, 2], [0, 2, 9]])))
+    assert "1 faces of 'ground' name vertices outside of 0 to 3, the first is face 1" in found
+
+
+@pytest.mark.parametrize(
+    ("face", "word"),
+    [
+        ("f 1 2 9", "cannot be read"),
+        ("f 0 1 2", "vertex number 0 in line 8"),
+        ("f 1 2", "fewer than 3 corners"),
+    ],
+)
+def test_faces_out_of_range_obj(write_level: WriteLevel, face: str, word: str) -> None:
+    _, found, _ = only_problem(with_mesh(write_level, "a.obj", f"{NAV_OBJ}{face}\n"))
+    assert "a.obj" in found
+    assert word in found
+
+
+def test_relative_numbers_before_more_vertices_would_be_misread(write_level: WriteLevel) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 6 1 0\nf -3 -2 -1\n"
+    _, found, _ = only_problem(with_mesh(write_level, "a.obj", text))
+    assert "relative vertex numbers" in found
+    assert "line 4" in found
+
+
+@pytest.mark.parametrize("key", ["extensionsUsed", "extensionsRequired"])
+@pytest.mark.parametrize("extension", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
+def test_compression_is_refused_by_name(write_level: WriteLevel, key: str, extension: str) -> None:
+    tree = gltf_tree(**{key: [extension]})
+    _, found, remedy = only_problem(with_mesh(write_level, "a.glb", glb(tree)))
+    assert found == f"a.glb uses {extension}, which is not read"
+    assert "gltf-transform" in remedy
+    path = with_mesh(write_level, "a.gltf", json.dumps(tree))
+    assert extension in only_problem(path)[1]
+
+
+def test_quantised_positions_are_refused(write_level: WriteLevel) -> None:
+    tree = gltf_tree()
+    tree["accessors"][0].update(componentType=5122, normalized=True)
+    assert "quantised positions" in only_problem(with_mesh(write_level, "a.glb", glb(tree)))[1]
+
+
+def test_buffer_file_that_is_not_there(write_level: WriteLevel) -> None:
+    tree = gltf_tree(buffers=[{"uri": "level%20data.bin", "byteLength": 72}])
+    path = with_mesh(write_level, "a.gltf", json.dumps(tree))
+    assert "names the buffer level data.bin, which does not exist" in only_problem(path)[1]
+    (path.parent / "level data.bin").write_bytes(QUAD.tobytes() + QUAD_FACES.tobytes())
+    first = load_level(path)
+    assert len(first.collision) == 14
+    (path.parent / "level data.bin").write_bytes((QUAD * 0.5).tobytes() + QUAD_FACES.tobytes())
+    assert load_level(path).sha256 != first.sha256
+
+
+@pytest.mark.parametrize("keep", [3, 16, 100, -1])
+def test_truncated_glb(write_level: WriteLevel, keep: int) -> None:
+    where, found, remedy = only_problem(with_mesh(write_level, "a.glb", glb()[:keep]))
+    assert where == "level.yaml: geometry[1].mesh"
+    assert found.startswith("a.glb")
+    assert "again" in remedy or "export" in remedy
+
+
+@pytest.mark.parametrize(
+    ("name", "data"), [("a.glb", b"\0" * 200), ("a.ply", b"ply\nformat"), ("a.stl", b"\1" * 90)]
+)
+def test_corrupt_file(write_level: WriteLevel, name: str, data: bytes) -> None:
+    where, found, _ = only_problem(with_mesh(write_level, name, data))
+    assert where == "level.yaml: geometry[1].mesh"
+    assert name in found
+
+
+def test_degenerate_triangles_are_left_out_and_counted(write_level: WriteLevel) -> None:
+    text = NAV_OBJ + "f 1 1 2\nf 1 2 2\n"
+    level = load_level(with_mesh(write_level, "a.obj", text))
+    assert len(level.collision) == 14
+    assert dict(check_level(level).facts)["collision"] == "14 triangles (2 degenerate ones left out)"
+
+
+def test_gltf_is_y_up_and_obj_follows_the_frame(write_level: WriteLevel) -> None:
+    path = with_mesh(write_level, "a.glb", glb(vertices=[[0, 1, 2], [3, 1, 2], [3, 1, -4], [0, 5, -4]]))
+    np.testing.assert_allclose(load_level(path).collision[12, 0], [0, -2, 1])
+    path = with_mesh(
+        write_level, "a.glb", glb(vertices=[[0, 1, 2], [3, 1, 2], [3, 1, -4], [0, 5, -4]]), **Z_UP
+    )
+    np.testing.assert_allclose(load_level(path).collision[12, 0], [0, 1, 2])
+
+
+def test_units_scale_and_flip(write_level: WriteLevel) -> None:
+    obj = "v 100 0 0\nv 300 0 0\nv 300 400 0\nf 1 2 3\n"
+    path = with_mesh(write_level, "a.obj", obj, units="cm", scale=2.0, flip_x=True)
+    triangle = load_level(path).collision[12]
+    assert {tuple(corner) for corner in triangle.tolist()} == {(-2, 0, 0), (-6, 0, 0), (-6, 8, 0)}
+    assert np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])[2] > 0  # still seen from above
+
+
+def test_node_transforms_nest_and_mirrored_nodes_keep_facing_up(write_level: WriteLevel) -> None:
+    nodes = [
+        {"name": "parent", "translation": [1, 0, 0], "children": [1]},
+        {"name": "mirrored", "mesh": 0, "translation": [0, 2, 0], "scale": [-0.1, 1, 1]},
+    ]
+    quad = np.array([[0, 0, 0], [10, 0, 0], [10, 0, -3], [0, 0, -3]])
+    level = load_level(with_mesh(write_level, "a.glb", glb(gltf_tree(nodes=nodes), vertices=quad)))
+    added = level.collision[12:]
+    np.testing.assert_allclose([added.min(axis=(0, 1)), added.max(axis=(0, 1))], [[0, 0, 2], [1, 3, 2]])
+    normals = np.cross(added[:, 1] - added[:, 0], added[:, 2] - added[:, 0])
+    assert (normals[:, 2] > 0).all()
+    assert level.parts[1].name == "mirrored"
+
+
+def test_nodes_choose_by_pattern_and_name_the_places(write_level: WriteLevel) -> None:
+    nodes = [
+        {"name": name, "mesh": 0, "translation": [x, 0, 0]}
+        for x, name in enumerate(["wall_a", "wall_b", "fx"])
+    ]
+    data = glb(gltf_tree(nodes=nodes, scenes=[{"nodes": [0, 1, 2]}]))
+    level = load_level(with_mesh(write_level, "a.glb", data, nodes=["wall_*"]))
+    assert [part.name for part in level.parts] == ["box 0", "wall_a", "wall_b"]
+    where, found, remedy = only_problem(with_mesh(write_level, "a.glb", data, nodes=["wal_a", "fx"]))
+    assert where == "level.yaml: geometry[1].nodes[0]"
+    assert "matches no node" in found
+    assert "did you mean 'wall_a'?" in remedy
+
+
+def test_obj_groups_are_parts_and_the_file_is_one_without_groups(write_level: WriteLevel) -> None:
+    vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    level = load_level(with_mesh(write_level, "a.obj", f"{vertices}o left\nf 1 2 3\no right\nf 1 3 4\n"))
+    assert [part.name for part in level.parts][1:] == ["left", "right"]
+    level = load_level(with_mesh(write_level, "hall.obj", f"{vertices}f 1 2 3 4\nusemtl b\nf 4 3 2\n"))
+    assert [part.name for part in level.parts][1:] == ["hall"]
+    assert len(level.collision) == 15
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "stl", "glb"])
+def test_solid_mesh_in_every_format(write_level: WriteLevel, suffix: str) -> None:
+    import trimesh
+
+    box = trimesh.creation.box(extents=[2, 2, 2]).apply_translation([5, 5, 3])
+    data = box.export(file_type=suffix)
+    level = load_level(with_mesh(write_level, f"a.{suffix}", data, role="solid", up_axis="z"))
+    solid = level.solids[0].triangles
+    assert solid.shape == (12, 3, 3)
+    np.testing.assert_allclose([solid.min(axis=(0, 1)), solid.max(axis=(0, 1))], [[4, 4, 2], [6, 6, 4]])
+
+
+def test_inside_out_solid_is_turned_outwards(write_level: WriteLevel) -> None:
+    import trimesh
+
+    box = trimesh.creation.box(extents=[2, 2, 2]).apply_translation([5, 5, 3])
+    box.invert()
+    solid = load_level(with_mesh(write_level, "a.ply", box.export(file_type="ply"), role="solid")).solids[0]
+    assert np.linalg.det(solid.triangles).sum() / 6 == pytest.approx(8)
+
+
+def test_open_solid_says_how_open_and_where(write_level: WriteLevel) -> None:
+    import trimesh
+
+    box = trimesh.creation.box(extents=[2, 2, 2]).apply_translation([5, 5, 3])
+    box.update_faces(np.arange(12) != 4)
+    where, found, _ = only_problem(with_mesh(write_level, "a.ply", box.export(file_type="ply"), role="solid"))
+    assert where == "level.yaml: geometry[1]"
+    assert "not watertight: 3 of 18 edges are open" in found
+
+
+def test_solid_with_turned_faces(write_level: WriteLevel) -> None:
+    import trimesh
+
+    box = trimesh.creation.box(extents=[2, 2, 2]).apply_translation([5, 5, 3])
+    box.faces[0] = box.faces[0][::-1]
+    found = only_problem(with_mesh(write_level, "a.ply", box.export(file_type="ply"), role="both"))[1]
+    assert "faces look opposite ways" in found
+
+
+def test_embedded_buffers(write_level: WriteLevel) -> None:
+    uri = (
+        "data:application/octet-stream;base64,"
+        + base64.b64encode(QUAD.tobytes() + QUAD_FACES.tobytes()).decode()
+    )
+    tree = gltf_tree(buffers=[{"byteLength": 72, "uri": uri}])
+    assert len(load_level(with_mesh(write_level, "a.gltf", json.dumps(tree), **Z_UP)).collision) == 14
