@@ -127,8 +127,8 @@ class ExploreSettings:
     time_budget_s: float | None = None
     reset_interval: int = 128  # [agent steps]
     threshold_m: float = 1.0  # K
-    physics_hz: float = 60.0
-    action_repeat: int = 8  # [physics steps an agent step]
+    physics_hz: float = 30.0
+    action_repeat: int = 4  # [physics steps an agent step]
     heuristics: dict[str, float] = field(default_factory=lambda: {"visits": 0.5, "goals": 0.5})
     power: float = 1.0
     goal_spacing_m: float = 4.0

@@ -67,6 +67,7 @@ KEEP = (
     Piece("keep top", "platform", (-3, 19, 1.5), (3, 25, 3.0)),
     Piece("keep ramp", "ramp", (-2.5, 11.5, 0), (2.5, 15, 1.5), "+y"),
     Piece("keep upper ramp", "ramp", (-6, 20, 1.5), (-3, 24, 3.0), "+x"),
+    Piece("keep upper stairs", "stairs", (3, 20, 1.5), (5, 24, 2.7), "-x"),
     Piece("keep stairs", "stairs", (7, 19.5, 0), (9, 24.5, 1.2), "-x"),
 )
 
@@ -75,13 +76,17 @@ DECKS = (
     Piece("east deck", "platform", (34, 28, 0), (42, 36, 2)),
     Piece("bridge", "bridge", (26, 31, 1.9), (34, 33, 2)),
     Piece("north deck ramp", "ramp", (13.5, 30, 0), (18, 34, 2), "+x"),
+    Piece("north deck south ramp", "ramp", (20, 24, 0), (24, 28, 2), "+y"),
     Piece("east deck ramp", "ramp", (36, 24, 0), (40, 28, 2), "+y"),
     Piece("west deck", "platform", (-44, -6, 0), (-36, 4, 2)),
     Piece("west deck ramp", "ramp", (-36, -3, 0), (-31.5, 1, 2), "-x"),
+    Piece("west deck north ramp", "ramp", (-42, 4, 0), (-38, 8.5, 2), "-y"),
     Piece("south deck", "platform", (26, -44, 0), (34, -37, 1.5)),
     Piece("south deck ramp", "ramp", (22.4, -42.5, 0), (26, -38.5, 1.5), "+x"),
+    Piece("south deck stairs", "stairs", (28, -37, 0), (32, -35, 1.2), "-y"),
     Piece("east ledge", "platform", (36, -4, 0), (43, 6, 1.5)),
     Piece("east ledge stairs", "stairs", (34, -1.5, 0), (36, 3.5, 1.2), "+x"),
+    Piece("east ledge ramp", "ramp", (37.5, 6, 0), (41.5, 9.5, 1.5), "-y"),
 )
 
 ROOMS = (

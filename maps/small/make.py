@@ -40,7 +40,7 @@ def truth(ramp: Piece, monolith: Piece) -> dict[str, Any]:
         "also": ["fell_out_of_world"],
         "position": y_up(ramp_top).tolist(),
         # the wall top between its towers, the ramp, and the void outside down to kill_z_m
-        "bounds": _truth_bounds((-46, -65, -25), (46, ramp.high[1], 6)),
+        "bounds": _truth_bounds((-46, -80, -30), (46, ramp.high[1], 6)),
         "radius_m": 8.0,
         "description": "A ramp left leaning against the south wall. It is walkable but not on the nav-mesh, "
         "leads to the top of the bounding wall, and from there one falls off the map.",

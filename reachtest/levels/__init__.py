@@ -1,7 +1,7 @@
 """Stage levels: reads `level.yaml` and the meshes it names, and says everything that is wrong with them.
 
-Reading order: `schema` (what the file says), `document` (how it is read), `meshes` (the files it names),
-`load` (how it becomes a `Level`), `check` (whether that level is plausible).
+Reading order: `schema` (what the file says), `document` and `complaints` (how it is read), `meshes` (the
+files it names), `load` (how it becomes a `Level`), `check` (whether that level is plausible).
 """
 
 from reachtest.levels.check import Check, check_level

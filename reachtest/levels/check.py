@@ -29,7 +29,8 @@ class Check:
 
 def check_level(level: Level) -> Check:
     """Check spawns, nav-mesh, sizes and places of a level, and say how it was understood."""
-    index = ColumnIndex(level.collision)
+    # A grid of 500 x 500 at most, so that a level in wrong units does not take longer to check.
+    index = ColumnIndex(level.collision, cell_m=max(1.0, float(_extents(level).max()) / 500))
     nav_problems, nav_warnings, floor_share = check_navmesh(level, index)
     problems = [*check_spawns(level, index), *nav_problems]
     return Check(tuple(problems), (*_size(level), *nav_warnings, *_places(level)), _facts(level, floor_share))

@@ -6,7 +6,7 @@ Shape legend: N sample points.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
+from itertools import groupby, product
 
 import numpy as np
 
@@ -14,14 +14,17 @@ from reachtest.errors import Problem
 from reachtest.geometry import ColumnIndex, triangle_normals
 from reachtest.levels.frames import UP_AXES, unit_name
 from reachtest.levels.reading import ReadLevel
-from reachtest.records import Floats, Frame, Level
+from reachtest.records import Floats, Level
 
 SAMPLES = 1000  # the share is then known to within 0.03
 FLOOR_WITHIN_M = 1.0  # quantisation and erosion move a nav-mesh by less than its climb height, 0.9 m at most
 LEAST_SHARE = 0.5  # below it the nav-mesh is some other level's, or lies elsewhere
 ODD_SHARE = 0.9
 GOOD_SHARE = 0.7  # of a hypothesis that is worth naming
+CLEARLY_BETTER = 0.15  # a level with symmetries takes its own mirror image nearly as well
 UNIT_SLIPS = (0.01, 100.0, 0.0254, 1 / 0.0254, 0.3048, 1 / 0.3048)
+TINY_SHARE, TINY_M = 0.1, 3.0  # a nav-mesh this small in proportion, or at all, may be in other units
+NO_EXPLANATION = "no slip of units or axes explains it: export both from the same level, at the same origin"
 SIZES = (0.25, 1.5)  # of the nav-mesh in proportion to the level: a shrunken one lies on *some* floor too
 _UNIT_WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
@@ -33,6 +36,10 @@ class _Slip:
     matrix: Floats  # [3, 3]
     words: tuple[str, ...] = ()
     keys: tuple[str, ...] = ()
+
+    @property
+    def keeps_size(self) -> bool:
+        return bool(np.isclose(abs(np.linalg.det(self.matrix)), 1.0))
 
     def then(self, other: _Slip) -> _Slip:
         return _Slip(other.matrix @ self.matrix, self.words + other.words, self.keys + other.keys)
@@ -49,13 +56,18 @@ def check_navmesh(level: Level, index: ColumnIndex) -> tuple[list[Problem], list
     points = _sample(level.navmesh.triangles)
     share = _floor_share(index, points)
     name = level.navmesh.file
-    if share >= ODD_SHARE:
-        return [], [], share
-    if share >= LEAST_SHARE:
+    slip = _explanation(level, index, points, share) if share < ODD_SHARE else ""
+    if slip or share < LEAST_SHARE:
+        found = f"{name} lies elsewhere than the geometry: {_separation(level, share)}"
+        return [Problem(where, found, slip or NO_EXPLANATION)], [], share
+    size, whole = _size(points), _size(level.collision.reshape(-1, 3))
+    if size < TINY_SHARE * whole and (slip := _explanation(level, index, points, 0.0)):
+        problem = Problem(where, f"{name} spans only {size:.2g} m of the geometry's {whole:.3g} m", slip)
+        return ([problem], [], share) if size < TINY_M else ([], [problem], share)
+    if share < ODD_SHARE:
         found = f"{name}: {1 - share:.0%} of its area has no floor within {FLOOR_WITHIN_M:g} m"
         return [], [Problem(where, found, "rebuild the nav-mesh if the geometry has changed since")], share
-    found = f"{name} lies elsewhere than the geometry: {_separation(level, share)}"
-    return [Problem(where, found, _explanation(level, index, points))], [], share
+    return [], [], share
 
 
 def _sample(triangles: Floats) -> Floats:
@@ -92,15 +104,27 @@ def _show(box: tuple[Floats, Floats]) -> str:
     return " to ".join("(" + ", ".join(f"{value:.3g}" for value in corner) + ")" for corner in box)
 
 
-def _explanation(level: Level, index: ColumnIndex, points: Floats) -> str:
-    frame = level.reading.navmesh_frame if isinstance(level, ReadLevel) else level.frame
+def _explanation(level: Level, index: ColumnIndex, points: Floats, share: float) -> str:
+    """The slip that fits best among those with the fewest keys; empty if none beats `share` clearly.
+
+    Where the nav-mesh lies on the geometry by half and more, its unit is right: a shrunken one fits anything.
+    """
     size = _size(level.collision.reshape(-1, 3))
-    for slip in _slips(frame):
-        moved = points @ slip.matrix.T
-        fits = SIZES[0] <= _size(moved) / size <= SIZES[1]
-        if fits and _floor_share(index, moved) >= GOOD_SHARE:
-            return f"it looks like {' and '.join(slip.words)}: write {' and '.join(slip.keys)}"
-    return "no slip of units or axes explains it: export both from the same level, at the same origin"
+    tried = [slip for slip in _slips(level) if share < LEAST_SHARE or slip.keeps_size]
+    for _, slips in groupby(tried, key=lambda slip: len(slip.keys)):
+        fits = [(_fit(index, points @ slip.matrix.T, size), slip) for slip in slips]
+        fit, best = max(fits, key=lambda pair: pair[0])
+        if fit > share + CLEARLY_BETTER:
+            return f"it looks like {' and '.join(best.words)}: write {' and '.join(best.keys)}"
+    return ""
+
+
+def _fit(index: ColumnIndex, points: Floats, size: float) -> float:
+    """How well a nav-mesh lies on a level of this size [m]: above 0 where it plausibly does."""
+    ratio = _size(points) / size
+    share = _floor_share(index, points) if SIZES[0] <= ratio <= SIZES[1] else 0.0
+    # Among floors that take any nav-mesh, the right unit is the one that fills the level.
+    return share - 0.1 * abs(float(np.log(ratio))) if share >= GOOD_SHARE else 0.0
 
 
 def _size(points: Floats) -> float:
@@ -108,22 +132,23 @@ def _size(points: Floats) -> float:
     return float(np.linalg.norm((high - low)[:2]))
 
 
-def _slips(frame: Frame) -> list[_Slip]:
-    """Ways to misread a mesh, the simple ones first."""
+def _slips(level: Level) -> list[_Slip]:
+    """Ways to misread the nav-mesh, the simple ones first."""
+    reading = level.reading if isinstance(level, ReadLevel) else None
+    frame, scale = (reading.navmesh_frame, reading.navmesh_scale) if reading else (level.frame, 1.0)
     none = _Slip(np.eye(3))
     other = "z" if frame.up_axis == "y" else "y"
     upright = np.array(UP_AXES["y"], dtype=np.float64)
     turned = _Slip(upright if other == "y" else upright.T, (f"{other} up",), (f"navmesh.up_axis: {other}",))
     flip = str(np.linalg.det(frame.matrix) > 0).lower()
     mirrored = _Slip(np.diag([-1.0, 1.0, 1.0]), ("mirrored x",), (f"navmesh.flip_x: {flip}",))
-    scaled = [_scaled(float(np.linalg.norm(frame.matrix[:, 0])), factor) for factor in UNIT_SLIPS]
+    scaled = [_scaled(float(np.linalg.norm(frame.matrix[:, 0])), factor, scale) for factor in UNIT_SLIPS]
     every = product([none, *scaled], [none, turned], [none, mirrored])
     slips = [unit.then(turn).then(mirror) for unit, turn, mirror in every]
     return sorted((slip for slip in slips if slip.keys), key=lambda slip: len(slip.keys))
 
 
-def _scaled(now_m: float, factor: float) -> _Slip:
+def _scaled(now_m: float, factor: float, scale: float) -> _Slip:
     unit = unit_name(now_m * factor)
-    return _Slip(
-        np.eye(3) * factor, (_UNIT_WORDS.get(unit, f"units of {unit} m"),), (f"navmesh.units: {unit}",)
-    )
+    keys = (f"navmesh.units: {unit}",) + (("navmesh.scale: 1",) if scale != 1 else ())
+    return _Slip(np.eye(3) * factor, (_UNIT_WORDS.get(unit, f"units of {unit} m"),), keys)

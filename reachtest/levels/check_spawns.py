@@ -45,30 +45,28 @@ def _complaints(level: Level, index: ColumnIndex, normals: Floats, spawn: Spawn)
     if inside:
         yield f"is inside of the solid {inside[0]!r}", "move the spawn out of it"
         return
-    yield from _air(level, index, feet)
-    depth = wall_overlap(feet, level.character, level.collision, normals)
+    yield from _footing(level, index, normals, feet)
+
+
+def _footing(level: Level, index: ColumnIndex, normals: Floats, feet: Floats) -> Iterator[tuple[str, str]]:
+    """Complaints about the floor below the feet and about what stands in the way of the body."""
+    ray, who = feet[None], level.character
+    through = index.highest(ray, -FEET_SUNK_M, who.height_m)[0][0]
+    if np.isfinite(through):
+        found = f"has a surface going through it, {through - feet[2]:.2f} m above the feet"
+        yield found, f"if that is the floor, write position: {_place(level, _at(feet, through), '[]')}"
+        return
+    if not np.isfinite(index.highest(ray, FLOOR_BELOW_M, FEET_SUNK_M)[0][0]):
+        below = index.highest(ray, _EVER_M, FEET_SUNK_M)[0][0]
+        if np.isfinite(below):
+            found = f"is in the air: the next floor is {feet[2] - below:.2f} m below the feet"
+            yield found, f"to put the feet on it, write position: {_place(level, _at(feet, below), '[]')}"
+        else:
+            remedy = "put it above the level's floor, and check frame.up_axis and frame.units"
+            yield "is in the air: there is no floor below it at all", remedy
+    depth = wall_overlap(feet, who, level.collision, normals)
     if depth > OVERLAP_M:
         yield f"is {depth:.2f} m deep in a wall", f"move it {depth:.2f} m away from the wall"
-
-
-def _air(level: Level, index: ColumnIndex, feet: Floats) -> Iterator[tuple[str, str]]:
-    """A complaint where no floor is right below the feet, with the nearest one."""
-    ray = feet[None]
-    if np.isfinite(index.highest(ray, FLOOR_BELOW_M, FEET_SUNK_M)[0][0]):
-        return
-    above = index.highest(ray, -FEET_SUNK_M, FLOOR_BELOW_M)[0][0]
-    below = index.highest(ray, _EVER_M, FEET_SUNK_M)[0][0]
-    if np.isfinite(above):
-        found = f"has its feet under the floor, which is {above - feet[2]:.2f} m higher"
-        yield found, f"put the feet on it: position: {_place(level, _at(feet, above), '[]')}"
-    elif np.isfinite(below):
-        found = f"is in the air: the next floor is {feet[2] - below:.2f} m below the feet"
-        yield found, f"put the feet on it: position: {_place(level, _at(feet, below), '[]')}"
-    else:
-        yield (
-            "is in the air: there is no floor below it at all",
-            "put it above the level's floor; check frame",
-        )
 
 
 def _at(feet: Floats, z: float) -> Floats:
@@ -91,12 +89,12 @@ def wall_overlap(feet: Floats, who: Character, triangles: Floats, normals: Float
     reach = np.array([who.radius_m, who.radius_m, 0.0])
     low, high = feet - reach, feet + reach + np.array([0.0, 0.0, who.height_m])
     near = (triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1)
+    near &= triangles[:, :, 2].max(axis=1) > feet[2] + who.step_height_m
     floor = np.abs(normals[:, 2]) >= steepest
-    wall = near & ~floor & (triangles[:, :, 2].max(axis=1) > feet[2] + who.step_height_m)
     bottom, top = who.radius_m, who.height_m - who.radius_m
     lift = max(FEET_SUNK_M, who.radius_m * (1 / steepest - 1))
     nearest = min(
-        _axis_distance(feet, bottom, top, triangles[wall]),
+        _axis_distance(feet, bottom, top, triangles[near & ~floor]),
         _axis_distance(feet, min(bottom + lift, top), top, triangles[near & floor]),
     )
     return max(0.0, who.radius_m - nearest)

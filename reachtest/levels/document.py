@@ -1,16 +1,16 @@
-"""Reads `level.yaml` into its models, and turns every complaint into a `Problem` a designer can act on."""
+"""Reads `level.yaml` into its models, with the command line's values over it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import yaml
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import ValidationError
 
 from reachtest.errors import BadInput, Problem
+from reachtest.levels.complaints import complaints, show
 from reachtest.levels.fields import nearest
 from reachtest.levels.schema import LevelSpec
 
@@ -44,7 +44,7 @@ def read_yaml(path: Path) -> tuple[dict[str, Any], bytes]:
         found = f"{place}{getattr(error, 'problem', None) or error}"
         raise BadInput([Problem(path.name, found, "correct the YAML syntax there")], path) from error
     if not isinstance(document, dict):
-        found = f"holds {_show(document)}, not a mapping"
+        found = f"holds {show(document)}, not a mapping"
         raise BadInput([Problem(path.name, found, "start with 'version: 1'")], path)
     return document, data
 
@@ -77,7 +77,7 @@ def parse(
         return LevelSpec.model_validate(document), []
     except ValidationError as error:
         given = tuple(_leaves(overrides))
-        return None, [_problem(details, file, given) for details in error.errors(include_url=False)]
+        return None, complaints(error, file, given)
 
 
 def _leaves(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
@@ -86,68 +86,3 @@ def _leaves(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
             yield from _leaves(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}"
-
-
-def _problem(details: ErrorDetails, file: str, overridden: Sequence[str]) -> Problem:
-    loc = tuple(part for part in details["loc"] if part != "[key]")
-    key = dotted(loc)
-    source = "command line" if any(key.startswith(name) for name in overridden) else file
-    where = f"{source}: {key}" if key else source
-    if details["type"] == "extra_forbidden":
-        keys = _keys(_model_at(loc[:-1]))
-        where = f"{source}: {dotted(loc[:-1])}".removesuffix(": ")
-        return Problem(
-            where, f"unknown key {loc[-1]!r}", f"{nearest(str(loc[-1]), keys)}valid: {', '.join(keys)}"
-        )
-    if details["type"] == "missing":
-        return Problem(where, "is missing", _meaning(loc) or "add it")
-    return Problem(where, f"found {_show(details['input'])}", _remedy(details, loc))
-
-
-def _remedy(details: ErrorDetails, loc: Sequence[int | str]) -> str:
-    message = details["msg"].removeprefix("Value error, ").removeprefix("Input ").replace("should", "must", 1)
-    meaning = _meaning(loc)
-    return f"{message} ({meaning})" if meaning and details["type"] != "value_error" else message
-
-
-def dotted(loc: Sequence[int | str]) -> str:
-    """`("geometry", 0, "mesh")` as `geometry[0].mesh`."""
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
-    return text.removeprefix(".")
-
-
-def _show(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _keys(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _field(model: type[BaseModel], key: str) -> Any:
-    return next((field for name, field in model.model_fields.items() if key in (name, field.alias)), None)
-
-
-def _model_in(annotation: Any) -> type[BaseModel] | None:
-    """The first model inside an annotation such as `tuple[Model, ...]` or `Model | None`."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next((model for inner in get_args(annotation) if (model := _model_in(inner))), None)
-
-
-def _model_at(loc: Sequence[int | str]) -> type[BaseModel]:
-    """The model whose keys stand at `loc`."""
-    model: type[BaseModel] = LevelSpec
-    for part in loc:
-        if isinstance(part, str):
-            field = _field(model, part)
-            model = (_model_in(field.annotation) if field else None) or model
-    return model
-
-
-def _meaning(loc: Sequence[int | str]) -> str:
-    """The description of the key at `loc`, or of the innermost key around it."""
-    names = [part for part in loc if isinstance(part, str)]
-    field = _field(_model_at(names[:-1]), names[-1]) if names else None
-    return str(field.description).rstrip(".") if field and field.description else ""

@@ -98,7 +98,7 @@ class _Builder:
                 self.collision_known &= item.role == "solid"
                 continue
             self._add(item, pieces, where, index)
-        if self.collision_known and not sum(map(len, self.collision)):
+        if self.collision_known and all(degenerate(triangles).all() for triangles in self.collision):
             remedy = "give at least one piece of geometry role: collision or both"
             self.problems.append(Problem(f"{self.path.name}: geometry", "has no collision surface", remedy))
             self.collision_known = False
@@ -166,7 +166,7 @@ class _Builder:
             ),
             explore=spec.explore.settings(),
             gate=GateSettings(**spec.gate.model_dump()),
-            reading=Reading(int(thin.sum()), thin_nav, self._navmesh_frame()),
+            reading=Reading(int(thin.sum()), thin_nav, self._navmesh_frame(), spec.navmesh.scale),
         )
 
     def _point(self, position: Sequence[float]) -> Floats:

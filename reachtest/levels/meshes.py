@@ -95,7 +95,11 @@ def read_mesh(
         raise BadInput(problems)
     up_axis = spec.up_axis or FORMAT_UP_AXIS.get(suffix, frame.up_axis)
     own = make_frame(up_axis, spec.units or frame.units, spec.scale, spec.flip_x)
-    return Mesh(name, data + _attached(data, path), own, tuple(_placed(piece, own) for piece in pieces))
+    placed = tuple(_placed(piece, own) for piece in pieces)
+    if all(degenerate(piece.triangles).all() for piece in placed):
+        found = f"all triangles of {name} are thinner than {THINNEST_M:g} m"
+        raise BadInput([Problem(f"{where}.mesh", found, "check units and scale, or export it again")])
+    return Mesh(name, data + _attached(data, path), own, placed)
 
 
 def _attached(data: bytes, path: Path) -> bytes:

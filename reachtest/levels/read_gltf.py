@@ -25,14 +25,30 @@ _LINES_AND_POINTS, _FAN = (0, 1, 2, 3), 6  # glTF 2.0: mesh.primitive.mode
 
 def read_glb(data: bytes, path: Path) -> list[Piece]:
     """The nodes of a binary glTF file."""
-    _check(_json_chunk(data), path)
-    return read_scene(data, path, "glb", skip_materials=True)
+    tree = _json_chunk(data)
+    _check(tree, path)
+    text = _for_trimesh(tree)
+    rest = data[20 + struct.unpack_from("<I", data, 12)[0] :]
+    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON")
+    return read_scene(head + text + rest, path, "glb", skip_materials=True)
 
 
 def read_gltf(data: bytes, path: Path) -> list[Piece]:
     """The nodes of a glTF file, with the buffer files it names."""
-    _check(_json_object(data), path)
-    return read_scene(data, path, "gltf", skip_materials=True)
+    tree = _json_object(data)
+    _check(tree, path)
+    return read_scene(_for_trimesh(tree), path, "gltf", skip_materials=True)
+
+
+def _for_trimesh(tree: dict[str, Any]) -> bytes:
+    """The JSON without what trimesh stumbles over, padded to 4 bytes."""
+    for buffer in tree.get("buffers", []):
+        if "uri" in buffer and not buffer["uri"].startswith("data:"):
+            buffer["uri"] = unquote(buffer["uri"])  # it looks for a file named "my%20level.bin"
+    for node in tree.get("nodes", []):
+        node.pop("camera", None)  # it leaves out the first camera's node, and so the place of its children
+    text = json.dumps(tree).encode()
+    return text + b" " * (-len(text) % 4)
 
 
 def external_files(data: bytes, path: Path) -> list[Path]:

@@ -14,6 +14,7 @@ class Reading:
     degenerate_collision: int  # triangles left out
     degenerate_navmesh: int
     navmesh_frame: Frame
+    navmesh_scale: float
 
 
 @dataclass(frozen=True)

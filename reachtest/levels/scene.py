@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import io
 import warnings
-from collections.abc import Iterator
+from collections import defaultdict
 from dataclasses import dataclass
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -50,17 +51,36 @@ def read_scene(data: bytes, path: Path, file_type: str, **options: Any) -> list[
             process=False,
             **options,
         )
-    return list(_pieces(scene))
+    return _pieces(scene)
 
 
-def _pieces(scene: Any) -> Iterator[Piece]:
-    for node in sorted(scene.graph.nodes_geometry):
+def _pieces(scene: Any) -> list[Piece]:
+    """One piece for every node, in order of names: the same file gives the same pieces in order."""
+    order = {geometry: index for index, geometry in enumerate(scene.geometry)}
+    found = defaultdict(list)
+    for node in scene.graph.nodes_geometry:
         matrix, geometry = scene.graph[node]
         mesh = scene.geometry[geometry]
-        faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
-        if not len(faces):
-            continue  # points and lines
-        if np.linalg.det(matrix[:3, :3]) < 0:
-            faces = faces[:, ::-1]  # a mirrored node turns its faces inside out
-        vertices = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-        yield Piece(str(node), vertices, faces)
+        # Where a node has several primitives, trimesh puts each into a child node with a random name.
+        split = mesh.metadata.get("from_gltf_primitive")
+        name = scene.graph.transforms.parents[node] if split else node
+        found[str(name)].append((order[geometry], _placed(mesh, matrix)))
+    parts = {
+        name: [part for _, part in sorted(each, key=itemgetter(0))] for name, each in sorted(found.items())
+    }
+    pieces = (_joined(name, each) for name, each in parts.items())
+    return [piece for piece in pieces if len(piece.faces)]  # not points and lines
+
+
+def _placed(mesh: Any, matrix: Floats) -> tuple[Floats, Ints]:
+    faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
+    if np.linalg.det(matrix[:3, :3]) < 0:
+        faces = faces[:, ::-1]  # a mirrored node turns its faces inside out
+    with np.errstate(invalid="ignore"):  # infinite vertices are reported later, by number
+        return np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3], faces
+
+
+def _joined(name: str, parts: list[tuple[Floats, Ints]]) -> Piece:
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    faces = [faces + start for (_, faces), start in zip(parts, starts, strict=False)]
+    return Piece(name, np.concatenate([vertices for vertices, _ in parts]), np.concatenate(faces))

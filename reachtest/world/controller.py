@@ -1,9 +1,12 @@
 """The character's movement rules, for all agents at once.
 
-Shape legend: B agents, K contact slots. Velocities are [m/s], normals point from the surface to the capsule.
+Shape legend: B agents, K contact slots, n agents with obstacles. Velocities are [m/s]; normals point from the
+surface to the capsule.
 The rules follow what engine characters have in common (Unreal's CharacterMovement is the reference): on walkable
 ground the horizontal velocity is kept and the vertical one follows the slope; what is too steep counts as a
 vertical wall, so that neither drive nor momentum climbs it; in the air there is little control.
+
+This runs at every physics step: it is written for few numpy calls, and works on the agents concerned only.
 """
 
 from __future__ import annotations
@@ -11,13 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from reachtest.records import Bools, Character, Floats
+from reachtest.records import Bools, Character, Floats, Ints
 
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
-WALL_NZ = 0.02  # flatter than this against vertical: neither floor nor slope
-BLOCKED_COS = 0.25  # the stick must point this much into an obstacle to want to step onto it
+LEVEL_NXY = 0.02  # a normal with less of a horizontal part has no say in horizontal movement
+LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 STICK_DIRECTIONS = np.concatenate(
     [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
 )  # [9, 2]
@@ -28,10 +30,9 @@ class Contacts:
     """What the capsules touch."""
 
     normals: Floats  # [B, K, 3] zero in empty slots
-    distance: Floats  # [B, K] negative where they overlap [m]
     walkable: Bools  # [B, K]
-    blocking: Bools  # [B, K] walls, steep slopes, overhangs: everything with a horizontal say that is not ground
-    flat: Floats  # [B, K, 2] horizontal unit normals of the blocking ones, else zero
+    ids: Ints  # [n] agents that touch obstacles: walls, steep slopes, overhangs, all that is not ground
+    flat: Floats  # [n, K, 2] horizontal unit normals of their obstacles, zero elsewhere
 
 
 @dataclass(frozen=True)
@@ -43,104 +44,126 @@ class Plan:
     jumped: Bools  # [B]
 
 
+@dataclass(frozen=True)
+class Stick:
+    """What the gamepads say, prepared for the ticks of one agent step."""
+
+    wish: Floats  # [B, 2] unit or zero
+    jump: Bools  # [B]
+    centred: Ints  # agents that push nowhere
+
+
 def read_contacts(sensor: Floats, slope_cos: float) -> Contacts:
     """Sort the contact sensor's slots [B, K, 5] (found, dist, normal from the capsule)."""
-    normals = -sensor[:, :, 2:5]
-    found = sensor[:, :, 0] > 0
-    z = normals[:, :, 2]
-    walkable = found & (z >= slope_cos)
-    length = np.sqrt(np.maximum(1.0 - z * z, 0.0))
-    blocking = found & ~walkable & (length > WALL_NZ)
-    flat = np.where(blocking[:, :, None], normals[:, :, :2] / np.where(blocking, length, 1.0)[:, :, None], 0.0)
-    return Contacts(normals, sensor[:, :, 1], walkable, blocking, flat)
+    normals = -sensor[:, :, 2:]
+    x, y, z = normals[:, :, 0], normals[:, :, 1], normals[:, :, 2]
+    walkable = z >= slope_cos
+    length = np.hypot(x, y)
+    blocking = (length > LEVEL_NXY) & ~walkable
+    ids = np.flatnonzero(blocking.any(axis=1))
+    if not len(ids):
+        return Contacts(normals, walkable, ids, np.empty((0, sensor.shape[1], 2)))
+    scale = np.where(blocking[ids], 1.0 / np.maximum(length[ids], LEVEL_NXY), 0.0)
+    return Contacts(normals, walkable, ids, normals[ids, :, :2] * scale[:, :, None])
 
 
 class Controller:
     """Plans velocities; holds no state of its own."""
 
     def __init__(self, character: Character, timestep_s: float) -> None:
-        self.character = character
-        self.dt = timestep_s
-        self.slope_cos = float(np.cos(np.radians(character.slope_limit_deg)))
+        self.character = c = character
+        self.slope_cos = float(np.cos(np.radians(c.slope_limit_deg)))
+        self._g_dt = c.gravity_mps2 * timestep_s
+        self._turn = min(c.ground_friction * timestep_s, 1.0)
+        self._push = c.acceleration_mps2 * timestep_s
+        self._brake = c.braking_mps2 * timestep_s
+        self._air_push = c.air_control * c.acceleration_mps2 * timestep_s
 
-    def plan(
-        self, velocity: Floats, contacts: Contacts, grounded: Bools, wish: Floats, jump: NDArray[np.bool_]
-    ) -> Plan:
-        """Velocities after the next step from the current ones [B, 3], the stick [B, 2] and the jump button [B]."""
-        flat = velocity[:, :2]
-        uncut = np.where(grounded[:, None], self._walk(flat, wish), self._drift(flat, wish))
-        cut = cut_by_obstacles(uncut, contacts.flat)
+    def plan(self, velocity: Floats, contacts: Contacts, grounded: Bools, stick: Stick) -> Plan:
+        """Velocities after the next physics step from the current ones [B, 3] and who stands [B]."""
+        uncut = self._walk(velocity[:, :2], stick)
+        flying = np.flatnonzero(~grounded)
+        if len(flying):
+            uncut[flying] = self._drift(velocity[flying, :2], stick.wish[flying])
+        cut = uncut
+        if len(contacts.ids):
+            cut = uncut.copy()
+            cut[contacts.ids] = cut_by_obstacles(uncut[contacts.ids], contacts.flat)
         target = np.empty_like(velocity)
         target[:, :2] = cut
-        g_dt = self.character.gravity_mps2 * self.dt
-        falling = np.maximum(velocity[:, 2] - g_dt, -self.character.terminal_speed_mps)
-        climb, support = self._follow_ground(contacts, cut)
-        target[:, 2] = np.where(grounded, climb, falling)
-        target -= np.where(grounded[:, None], STICK_MPS * support, 0.0)
-        jumped = grounded & jump
+        self._follow_ground(target, contacts)
+        if len(flying):
+            fall = velocity[flying, 2] - self._g_dt
+            target[flying, :2] = cut[flying]
+            target[flying, 2] = np.maximum(fall, -self.character.terminal_speed_mps)
+        jumped = grounded & stick.jump
         # Half a step of gravity less than the full speed: then every step lies on the exact parabola.
-        target[:, 2] = np.where(jumped, self.character.jump_speed_mps - g_dt / 2, target[:, 2])
+        target[jumped, 2] = self.character.jump_speed_mps - self._g_dt / 2
         return Plan(target, uncut, jumped)
 
-    def _walk(self, flat: Floats, wish: Floats) -> Floats:
-        """Ground velocity: friction turns it towards the stick, then it accelerates or brakes.
+    def grounded(self, velocity: Floats, contacts: Contacts, before: Bools) -> Bools:
+        """Who stands [B]: touches something walkable without moving away from it, or kept touching it."""
+        touches = contacts.walkable.any(axis=1)
+        unsure = np.flatnonzero(touches & ~before)
+        if len(unsure):
+            leaving = (contacts.normals[unsure] * velocity[unsure, None, :]).sum(axis=2)
+            touches[unsure] = (contacts.walkable[unsure] & (leaving < LEAVING_MPS)).any(axis=1)
+        return touches
+
+    def _walk(self, flat: Floats, stick: Stick) -> Floats:
+        """Ground velocity [B, 2]: friction turns it towards the stick, then it accelerates or brakes.
 
         The update of Unreal's UCharacterMovementComponent::CalcVelocity, in its documented parameters.
         """
         c = self.character
-        pushing = (wish * wish).sum(axis=1) > 0
-        speed = np.sqrt((flat * flat).sum(axis=1))
-        turn = min(c.ground_friction * self.dt, 1.0)
-        turned = flat - (flat - wish * speed[:, None]) * turn + wish * (c.acceleration_mps2 * self.dt)
-        turned *= (c.walk_speed_mps / np.maximum(np.sqrt((turned * turned).sum(axis=1)), c.walk_speed_mps))[:, None]
-        slower = np.maximum(speed - (c.ground_friction * speed + c.braking_mps2) * self.dt, 0.0)
-        braked = flat * (slower / np.maximum(speed, 1e-9))[:, None]
-        return np.where(pushing[:, None], turned, braked)
+        speed = np.hypot(flat[:, 0], flat[:, 1])
+        result = flat * (1.0 - self._turn) + stick.wish * (speed * self._turn + self._push)[:, None]
+        reached = np.hypot(result[:, 0], result[:, 1])
+        result *= (c.walk_speed_mps / np.maximum(reached, c.walk_speed_mps))[:, None]
+        if len(stick.centred):
+            before = speed[stick.centred]
+            after = np.maximum(before * (1.0 - self._turn) - self._brake, 0.0)
+            result[stick.centred] = flat[stick.centred] * (after / np.maximum(before, 1e-9))[:, None]
+        return result
 
     def _drift(self, flat: Floats, wish: Floats) -> Floats:
         """Air velocity: a little acceleration towards the stick, never beyond the speed it has or may walk."""
-        c = self.character
-        speed = np.sqrt((flat * flat).sum(axis=1))
-        drifted = flat + wish * (c.air_control * c.acceleration_mps2 * self.dt)
-        limit = np.maximum(speed, c.walk_speed_mps)
-        length = np.sqrt((drifted * drifted).sum(axis=1))
-        return drifted * (limit / np.maximum(length, limit))[:, None]
+        limit = np.maximum(np.hypot(flat[:, 0], flat[:, 1]), self.character.walk_speed_mps)
+        drifted = flat + wish * self._air_push
+        length = np.hypot(drifted[:, 0], drifted[:, 1])
+        return np.asarray(drifted * (limit / np.maximum(length, limit))[:, None], dtype=np.float64)
 
     @staticmethod
-    def _follow_ground(contacts: Contacts, flat: Floats) -> tuple[Floats, Floats]:
-        """Vertical velocity [B] that keeps to the ground, and the normal [B, 3] of what supports the agent."""
-        nz = np.where(contacts.walkable, contacts.normals[:, :, 2], 1.0)
-        rise = -(contacts.normals[:, :, :2] * flat[:, None, :]).sum(axis=2) / nz
-        rise = np.where(contacts.walkable, rise, -np.inf)
-        best = rise.argmax(axis=1)
-        rows = np.arange(len(flat))
-        has = contacts.walkable[rows, best]
-        up = np.array([0.0, 0.0, 1.0])
-        support = np.where(has[:, None], contacts.normals[rows, best], up)
-        return np.where(has, rise[rows, best], 0.0), support
+    def _follow_ground(target: Floats, contacts: Contacts) -> None:
+        """Complete horizontal velocities `target` [B, 3] so that they keep to the ground, in place.
 
-    def grounded(self, velocity: Floats, contacts: Contacts, before: Bools) -> Bools:
-        """Who stands: touches something walkable without moving away from it, or kept touching it."""
-        leaving = (contacts.normals * velocity[:, None, :]).sum(axis=2)
-        return (contacts.walkable & (before[:, None] | (leaving < 0.5))).any(axis=1)
+        Of several walkable contacts the one that rises most counts. Without any the velocity is level.
+        """
+        normals = contacts.normals
+        rise = -(normals[:, :, 0] * target[:, 0, None] + normals[:, :, 1] * target[:, 1, None])
+        rise = np.where(contacts.walkable, rise / np.maximum(normals[:, :, 2], 0.1), -np.inf)
+        best = rise.argmax(axis=1)
+        rows = np.arange(len(target))
+        steepest = rise[rows, best]
+        has = steepest > -np.inf
+        target[:, 2] = np.where(has, steepest, -STICK_MPS)
+        target -= (STICK_MPS * has)[:, None] * normals[rows, best]
 
 
 def cut_by_obstacles(velocity: Floats, flat: Floats) -> Floats:
-    """The velocity [B, 2] nearest to the wanted one that does not go into any obstacle normal [B, K, 2].
+    """The velocity [n, 2] nearest to the wanted one that does not go into any obstacle normal [n, K, 2].
 
     In the plane the solution is the velocity itself, its projection on one obstacle's tangent, or a stop.
     """
-    into = (velocity[:, None, :] * flat).sum(axis=2)  # [B, K]
-    if not (into < 0).any():
+    into = np.minimum(flat[:, :, 0] * velocity[:, 0, None] + flat[:, :, 1] * velocity[:, 1, None], 0.0)
+    if not into.any():
         return velocity
-    candidates = velocity[:, None, :] - np.minimum(into, 0.0)[:, :, None] * flat  # [B, K, 2]
-    clear = (np.einsum("bki,bli->bkl", candidates, flat) > -1e-6).all(axis=2)
-    cost = np.where(clear, -np.minimum(into, 0.0), np.inf)
-    free = (into >= 0).all(axis=1)
-    # An obstacle that is not pushed against is no candidate: its projection is the velocity itself.
-    cost = np.where((into < 0), cost, np.inf)
+    candidates = velocity[:, None, :] - into[:, :, None] * flat  # [n, K, 2]
+    clear = (candidates @ flat.transpose(0, 2, 1)).min(axis=2) > -1e-6
+    # What is not pushed against is no candidate (its projection is the velocity itself), unless nothing is.
+    pushed = into < 0
+    cost = np.where(clear & (pushed | ~pushed.any(axis=1)[:, None]), -into, np.inf)
     best = cost.argmin(axis=1)
     rows = np.arange(len(velocity))
-    stopped = ~np.isfinite(cost[rows, best])
-    cut = np.where(stopped[:, None], 0.0, candidates[rows, best])
-    return np.where(free[:, None], velocity, cut)
+    possible = cost[rows, best] < np.inf
+    return np.asarray(candidates[rows, best] * possible[:, None], dtype=np.float64)

@@ -15,7 +15,7 @@ from reachtest.records import Character, Floats
 CONTACT_SLOTS = 8
 CONTACT_FIELDS = 5  # found, dist, normal
 SKIN_M = 0.01  # contacts are reported from this distance on, without a force
-PRISM_M = 0.03  # thick enough for 40 m/s at 60 Hz, thin enough for double-sided walls
+PRISM_M = 0.03  # thick enough to be hit by walking characters, thin enough for double-sided walls
 MIN_ALTITUDE_M = 1e-3  # thinner slivers make no convex hull; the gap they leave is as thin
 MASS_KG = 80.0  # any: the controller plans velocities
 

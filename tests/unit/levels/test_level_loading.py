@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import WriteLevel
 
 from reachtest.levels import PRESETS, check_level, json_schema, load_level
 from reachtest.records import ExploreSettings
+from tests.unit.levels.make import WriteLevel
 
 
 def test_small_level_has_everything_in_place(write_level: WriteLevel) -> None:
@@ -134,7 +134,8 @@ def test_json_schema_describes_every_key() -> None:
     assert len(objects) >= 12
     for model in objects:
         for key, value in model["properties"].items():
-            assert value.get("description"), key
+            model_text = schema["$defs"].get(value.get("$ref", "").rsplit("/", 1)[-1], {})
+            assert value.get("description") or model_text.get("description"), key
     kinds = str(schema)
     for word in ("unreal", "unexpected_area", "cylinder", "additionalProperties"):
         assert word in kinds

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
 
 from reachtest.levels import MESH_READERS, NAVMESH_READERS, check_level, load_level
+from tests.unit.levels.make import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
 
 FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}
 Z_UP = {"up_axis": "z"}
@@ -121,7 +121,7 @@ def test_quantised_positions_are_refused(write_level: WriteLevel) -> None:
 
 def test_buffer_file_that_is_not_there(write_level: WriteLevel) -> None:
     tree = gltf_tree(buffers=[{"uri": "level%20data.bin", "byteLength": 72}])
-    path = with_mesh(write_level, "a.gltf", json.dumps(tree))
+    path = with_mesh(write_level, "a.gltf", json.dumps(tree), **Z_UP)
     assert "names the buffer level data.bin, which does not exist" in only_problem(path)[1]
     (path.parent / "level data.bin").write_bytes(QUAD.tobytes() + QUAD_FACES.tobytes())
     first = load_level(path)
@@ -152,6 +152,13 @@ def test_degenerate_triangles_are_left_out_and_counted(write_level: WriteLevel) 
     level = load_level(with_mesh(write_level, "a.obj", text))
     assert len(level.collision) == 14
     assert dict(check_level(level).facts)["collision"] == "14 triangles (2 degenerate ones left out)"
+
+
+def test_mesh_scaled_to_nothing(write_level: WriteLevel) -> None:
+    where, found, remedy = only_problem(with_mesh(write_level, "a.obj", NAV_OBJ, scale=1e-9))
+    assert where == "level.yaml: geometry[1].mesh"
+    assert "all triangles of a.obj are thinner" in found
+    assert "scale" in remedy
 
 
 def test_gltf_is_y_up_and_obj_follows_the_frame(write_level: WriteLevel) -> None:
@@ -191,12 +198,30 @@ def test_nodes_choose_by_pattern_and_name_the_places(write_level: WriteLevel) ->
         for x, name in enumerate(["wall_a", "wall_b", "fx"])
     ]
     data = glb(gltf_tree(nodes=nodes, scenes=[{"nodes": [0, 1, 2]}]))
-    level = load_level(with_mesh(write_level, "a.glb", data, nodes=["wall_*"]))
+    level = load_level(with_mesh(write_level, "a.glb", data, nodes=["wall_*"], **Z_UP))
     assert [part.name for part in level.parts] == ["box 0", "wall_a", "wall_b"]
     where, found, remedy = only_problem(with_mesh(write_level, "a.glb", data, nodes=["wal_a", "fx"]))
     assert where == "level.yaml: geometry[1].nodes[0]"
     assert "matches no node" in found
     assert "did you mean 'wall_a'?" in remedy
+
+
+def test_node_of_several_materials_is_one_part_in_the_same_order_every_time(write_level: WriteLevel) -> None:
+    primitives = [{"attributes": {"POSITION": 0}, "indices": 1, "material": index} for index in (0, 1)]
+    primitives += [{"attributes": {"POSITION": 0}, "mode": 1}]  # lines do not matter
+    tree = gltf_tree(meshes=[{"primitives": primitives}], materials=[{}, {}])
+    path = with_mesh(write_level, "a.glb", glb(tree), nodes=["ground"], **Z_UP)
+    level, again = load_level(path), load_level(path)
+    assert [part.name for part in level.parts] == ["box 0", "ground"]
+    assert len(level.collision) == 16
+    np.testing.assert_array_equal(level.collision, again.collision)
+
+
+def test_mesh_under_a_camera_stays_in_its_place(write_level: WriteLevel) -> None:
+    nodes = [{"camera": 0, "children": [1], "translation": [0, 0, 0.25]}, {"name": "ground", "mesh": 0}]
+    tree = gltf_tree(nodes=nodes, cameras=[{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}])
+    level = load_level(with_mesh(write_level, "a.glb", glb(tree), **Z_UP))
+    assert (level.collision[12:, :, 2] == 0.25).all()
 
 
 def test_obj_groups_are_parts_and_the_file_is_one_without_groups(write_level: WriteLevel) -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import WriteLevel, document, only_problem, problems_of
+
+from tests.unit.levels.make import WriteLevel, document, only_problem, problems_of
 
 
 def test_yaml_syntax_error_names_line_and_column(tmp_path: Path) -> None:

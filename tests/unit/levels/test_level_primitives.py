@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import WriteLevel, only_problem
 
 from reachtest.levels import PRIMITIVES
 from reachtest.levels.frames import make_frame
 from reachtest.levels.primitives import CYLINDER_SIDES
 from reachtest.levels.solids import find_leaks
 from reachtest.records import Floats
+from tests.unit.levels.make import WriteLevel, only_problem
 
 SPECS = {
     "box": {"center": [1, 2, 3], "size": [2, 3, 4], "yaw_deg": 30},
