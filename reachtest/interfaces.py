@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.records import Bools, Fall, Floats, Ints, ReplayPath, Report, RoundRecord, StepResult
+from reachtest.records import Candidates, Fall, Floats, Ints, ReplayPath, Report, RoundRecord, StepResult
 
 
 class Simulator(Protocol):
@@ -37,18 +37,15 @@ class Simulator(Protocol):
 class ResetHeuristic(Protocol):
     """eta of the paper: how promising each cached point is to restart from."""
 
-    def __call__(self, visits: Ints, goal_distance: Floats) -> Floats:
-        """Priorities [P] >= 0 from visit counts [P] and distances to the nearest open goal [P] [m].
-
-        `goal_distance` is infinite where no goal is left.
-        """
+    def __call__(self, candidates: Candidates) -> Floats:
+        """Priorities [P] >= 0, on any scale: mixtures normalise them. All zero: has no opinion."""
 
 
 class Surface(Protocol):
     """The nav-mesh surface, asked for distances."""
 
-    def within(self, points: Floats, limit_m: float) -> Bools:
-        """Whether each of `points` [n, 3] lies within `limit_m` of the surface [n]."""
+    def distance(self, points: Floats) -> Floats:
+        """Distance of each of `points` [n, 3] to the surface [n] [m]; infinite beyond `expected_within_m`."""
 
 
 class Replayer(Protocol):

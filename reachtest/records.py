@@ -129,8 +129,10 @@ class ExploreSettings:
     threshold_m: float = 1.0  # K
     physics_hz: float = 30.0
     action_repeat: int = 4  # [physics steps an agent step]
-    heuristics: dict[str, float] = field(default_factory=lambda: {"visits": 0.5, "goals": 0.5})
-    power: float = 1.0
+    heuristics: dict[str, float] = field(
+        default_factory=lambda: {"visits": 0.4, "goals": 0.4, "off_mesh": 0.2}
+    )
+    power: float = 2.0  # the paper's 1 leaves the last goals to chance: see the README
     goal_spacing_m: float = 4.0
     goal_radius_m: float = 1.0
     expected_within_m: float = 3.0
@@ -233,8 +235,13 @@ class Points:
     agent: NDArray[np.int16]  # [P]
     start: NDArray[np.int16]  # [P]
     step: NDArray[np.int16]  # [P]
-    expected: Bools  # [P]
+    off_mesh_m: Floats  # [P] distance to the nav-mesh surface; infinite beyond `expected_within_m`
     exit_point: Floats  # [P, 3] the last expected position before an unexpected one; NaN if expected
+
+    @property
+    def expected(self) -> Bools:
+        """Which points [P] lie within `expected_within_m` of the nav-mesh surface."""
+        return np.isfinite(self.off_mesh_m)
 
     def origin(self, index: int) -> Origin:
         """Where point `index` came from."""
@@ -243,6 +250,17 @@ class Points:
 
     def __len__(self) -> int:
         return len(self.positions)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """What a reset heuristic may ask about the cached points."""
+
+    visits: Ints  # [P] episodes that visited the point's cell: n(s)
+    goal_distance: Floats  # [P] to the nearest open goal [m]; infinite when none is open
+    off_mesh_m: Floats  # [P] distance to the nav-mesh surface; infinite beyond `expected_within_m`
+    expected_within_m: float
+    grounded: Bools  # [P]
 
 
 @dataclass(frozen=True)

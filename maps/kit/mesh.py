@@ -62,8 +62,8 @@ def prism(piece: Piece) -> tuple[Floats, Ints]:
     a, b = np.arange(n), np.roll(np.arange(n), -1)
     around = np.concatenate([np.stack([a, n + a, b], axis=1), np.stack([b, n + a, n + b], axis=1)])
     faces = np.concatenate([near, near[:, ::-1] + n, around])
-    # Going uphill in +x or against +y turns the outline one way round, the others the other.
-    turned = (piece.uphill[0] == "+") == (along == 0)
+    # Mirrored outlines, and those along y, run the other way round.
+    turned = (piece.uphill[0] == "+") != (along == 0)
     return local + low, faces[:, ::-1] if turned else faces
 
 

@@ -5,6 +5,7 @@ Parapets and the guards along flights are 1.5 m high: more than a jump (apex 0.9
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -133,7 +134,7 @@ def _flight(roof: Roof, flight: Flight) -> Iterator[Piece]:
     for a, b in zip(cuts, cuts[1:], strict=False):
         floor = min(abs(b - flight.foot) / SLOPE_RUN, roof.top)
         rect = strip(roof.rect, flight.side, (min(a, b), max(a, b)), -FLIGHT_M, outer)
-        yield box(roof.name, "block", rect, 0.0, round(floor * 4 + 0.49) / 4 + PARAPET_M)
+        yield box(roof.name, "block", rect, 0.0, math.ceil(floor * 4) / 4 + PARAPET_M)
     end = (min(far, flight.end), max(far, flight.end))
     yield box(roof.name, "block", strip(roof.rect, flight.side, end, 0.0, FLIGHT_M), 0.0, roof.top + PARAPET_M)
 

@@ -11,6 +11,8 @@ HALF_M = 749.0  # from the middle of the city to the inner face of its walls
 RING_M = 18.0  # the street along the walls
 BLOCK_SIZES_M = (72.0, 80.0, 88.0, 96.0, 104.0)
 STREET_WIDTHS_M = (12.0, 12.0, 14.0, 16.0, 20.0)
+SMALLEST_BLOCK_M = 60.0
+LAST_TWO_M = 196.0  # less than this at the end of a row is not cut as usual: what remained might be too small
 AVENUE_M = 26.0  # the street through the middle of the city, wide enough for the viaduct
 
 
@@ -66,11 +68,18 @@ def _spans(dice: Dice, avenue: bool) -> tuple[Span, ...]:
         width = dice.pick(STREET_WIDTHS_M)
         if avenue and end > -45.0:
             width, avenue = AVENUE_M, False
-        if end + width + BLOCK_SIZES_M[0] > high:
-            spans.append((low, high))
-            return tuple(spans)
+        if high - low < LAST_TWO_M:
+            return (*spans, *_last(low, high))
         spans.append((low, end))
         low = end + width
+
+
+def _last(low: float, high: float) -> tuple[Span, ...]:
+    """What is left at the end: one block, or two where they are not too small."""
+    half = (high - low - STREET_WIDTHS_M[0]) / 2
+    if half < SMALLEST_BLOCK_M:
+        return ((low, high),)
+    return (low, low + half), (high - half, high)
 
 
 def lay_out(seed: int) -> Streets:

@@ -25,7 +25,7 @@ class Archive:
             "agent": np.empty(1024, dtype=np.int16),
             "start": np.empty(1024, dtype=np.int16),
             "step": np.empty(1024, dtype=np.int16),
-            "expected": np.empty(1024, dtype=np.bool_),
+            "off_mesh_m": np.empty(1024),
             "exit_point": np.empty((1024, 3)),
             "cell": np.empty(1024, dtype=np.int64),
         }
@@ -59,9 +59,9 @@ class Archive:
         return np.asarray(self._columns["grounded"][: self._count], dtype=np.bool_)
 
     @property
-    def expected(self) -> Bools:
-        """[P]"""
-        return np.asarray(self._columns["expected"][: self._count], dtype=np.bool_)
+    def off_mesh_m(self) -> Floats:
+        """Distance to the nav-mesh [P] [m], infinite where unexpected."""
+        return self._float("off_mesh_m")
 
     @property
     def cells(self) -> Ints:

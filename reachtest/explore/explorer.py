@@ -18,13 +18,14 @@ import numpy as np
 from reachtest.explore.actions import action_stream, start_generator
 from reachtest.explore.archive import Archive
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.goals import GoalSet, note_first_visits, sample_goals
+from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.heuristics import mixture
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Observer, Simulator, Surface
 from reachtest.records import (
     Bools,
+    Candidates,
     EndReason,
     Exploration,
     Fall,
@@ -68,9 +69,9 @@ class Explorer:
         self._cache = PositionCache(s.threshold_m)
         self._archive = Archive(self._spawns.shape[1])
         self._visits = VisitCounts(s.threshold_m)
-        self._goals = GoalSet(sample_goals(level.navmesh, s.goal_spacing_m), s.goal_radius_m)
-        self._eta = mixture(s.heuristics, s.power, s.goal_radius_m)
-        self._required_step: Ints = np.full(len(level.required), -1, dtype=np.int64)
+        self._on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
+        self._goals = self._all_goals()
+        self._eta = mixture(s.heuristics, s.power)
         self._bottom = float(level.collision[:, :, 2].min())
         self._falls: list[Fall] = []
         self._steps = self._episodes = self._diverged = self._round = 0
@@ -83,12 +84,13 @@ class Explorer:
         wall = time.monotonic() - self._clock.began
         physics, cache = self._clock.physics_s, self._clock.cache_s
         once, twice, cells = self._visits.incidence()
+        goal_step = self._goals.reached_step
         return Exploration(
             points=self._archive.points(),
             visits=self._visits.of(self._archive.cells),
-            goals=self._goals.goals,
-            goal_step=self._goals.reached_step,
-            required_step=self._required_step,
+            goals=self._on_navmesh,
+            goal_step=goal_step[: len(self._on_navmesh)],
+            required_step=goal_step[len(self._on_navmesh) :],
             falls=tuple(self._falls),
             agent_steps=self._steps,
             episodes=self._episodes,
@@ -101,6 +103,14 @@ class Explorer:
             settings=self._settings,
             timing={"wall_s": wall, "physics_s": physics, "cache_s": cache, "rest_s": wall - physics - cache},
         )
+
+    def _all_goals(self) -> GoalSet:
+        """Goals on the nav-mesh, then the level's required points: both are worth exploring towards."""
+        required = self._level.required
+        places = np.array([place.position for place in required]).reshape(-1, 3)
+        radii = np.array([place.within_m for place in required])
+        on_mesh = np.full(len(self._on_navmesh), self._settings.goal_radius_m)
+        return GoalSet(np.concatenate([self._on_navmesh, places]), np.concatenate([on_mesh, radii]))
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings
@@ -135,7 +145,15 @@ class Explorer:
         spawns = len(self._spawns)
         if not len(self._archive) or self._round * agents < spawns:  # every spawn is used at least once
             return -1 - (self._round * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns
-        weight = self._eta(self._visits.of(self._archive.cells), self._goals.distances(self._cache.positions))
+        weight = self._eta(
+            Candidates(
+                visits=self._visits.of(self._archive.cells),
+                goal_distance=self._goals.distances(self._cache.positions),
+                off_mesh_m=self._archive.off_mesh_m,
+                expected_within_m=self._settings.expected_within_m,
+                grounded=self._archive.grounded,
+            )
+        )
         weight = np.where(self._hopeless(), 0.0, weight)
         if not weight.any():
             weight[:] = 1.0
@@ -166,34 +184,33 @@ class Explorer:
         self._visits.add(flat, episode.ravel()[valid])
         order = valid[self._cache.insert(flat)]
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
-        on_mesh = self._on_mesh(rolled, new)
-        self._archive_points(rolled, parents, new, on_mesh)
+        off_mesh_m = self._off_mesh(rolled, new)
+        on_mesh = np.isfinite(off_mesh_m)
+        self._archive_points(rolled, parents, new, off_mesh_m)
         self._goals.drain(flat, self._steps + valid + 1)
-        note_first_visits(self._required_step, self._level.required, flat, self._steps + valid + 1)
         self._note_ends(rolled, parents, on_mesh)
         return new
 
-    def _on_mesh(self, rolled: Trajectories, new: Ints) -> Bools:
-        """Which positions [T, B] are expected; worked out where somebody will ask only.
+    def _off_mesh(self, rolled: Trajectories, new: Ints) -> Floats:
+        """Distances [T, B] to the nav-mesh, infinite where unexpected; worked out where somebody will ask only.
 
         That is new points, and whole columns of agents that left the nav-mesh or fell.
         """
-        limit = self._settings.expected_within_m
-        on_mesh = np.zeros(rolled.ended.shape, dtype=np.bool_)
+        off_mesh_m = np.full(rolled.ended.shape, np.inf)
         t, b = new[:, 0], new[:, 1]
-        on_mesh[t, b] = self._surface.within(rolled.positions[t, b], limit)
+        off_mesh_m[t, b] = self._surface.distance(rolled.positions[t, b])
         fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
-        columns = np.union1d(b[~on_mesh[t, b]], fell)
+        columns = np.union1d(b[np.isinf(off_mesh_m[t, b])], fell)
         asked = rolled.positions[:, columns].reshape(-1, 3)
-        on_mesh[:, columns] = self._surface.within(asked, limit).reshape(len(on_mesh), len(columns))
-        return on_mesh
+        off_mesh_m[:, columns] = self._surface.distance(asked).reshape(len(off_mesh_m), len(columns))
+        return off_mesh_m
 
-    def _archive_points(self, rolled: Trajectories, parents: Ints, new: Ints, on_mesh: Bools) -> None:
+    def _archive_points(self, rolled: Trajectories, parents: Ints, new: Ints, off_mesh_m: Floats) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        expected = on_mesh[t, b]
+        on_mesh = np.isfinite(off_mesh_m)
         exits = np.full((len(new), 3), np.nan)
-        for i in np.flatnonzero(~expected):
+        for i in np.flatnonzero(~on_mesh[t, b]):
             exits[i] = self._exit_of(rolled, parents, on_mesh, int(t[i]), int(b[i]))
         self._archive.append(
             positions=positions,
@@ -204,7 +221,7 @@ class Explorer:
             agent=b,
             start=rolled.start[t, b],
             step=t + 1,
-            expected=expected,
+            off_mesh_m=off_mesh_m[t, b],
             exit_point=exits,
             cell=self._visits.cells(positions),
         )
@@ -242,10 +259,10 @@ class Explorer:
             sim_time_s=self._steps / self._settings.agents * self._simulator.step_s,
             trajectories=rolled.positions,
             new_points=rolled.positions[new[:, 0], new[:, 1]],
-            new_expected=self._archive.expected[len(self._archive) - len(new) :],
+            new_expected=np.isfinite(self._archive.off_mesh_m[len(self._archive) - len(new) :]),
             points=len(self._archive),
-            goals_reached=self._goals.reached,
-            goals_total=len(self._goals.goals),
+            goals_reached=int((self._goals.reached_step[: len(self._on_navmesh)] >= 0).sum()),
+            goals_total=len(self._on_navmesh),
             falls=len(self._falls),
         )
         for observer in self._observers:

@@ -5,15 +5,14 @@ Shape legend: G goals, P cached points.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.geometry import triangle_normals
-from reachtest.records import Floats, Ints, NavMesh, Required
+from reachtest.records import Floats, Ints, NavMesh
 
 _SAMPLES_PER_GOAL = 12  # candidates a goal: enough that hardly a place farther than the spacing is left
+_COARSE_M = 8.0  # an episode's positions share few cells of this size
 _GOAL_SEED = 0x60A1  # goals belong to the level, not to the run: the same for every seed
 
 
@@ -53,7 +52,8 @@ def _thin(candidates: Floats, spacing_m: float) -> Floats:
 class GoalSet:
     """Which goals are still open, and how far every cached point is from the nearest of them."""
 
-    def __init__(self, goals: Floats, radius_m: float) -> None:
+    def __init__(self, goals: Floats, radius_m: Floats) -> None:
+        """`goals` [G, 3], each closed by the first position within its own radius [G]."""
         self.goals = goals
         self.reached_step: Ints = np.full(len(goals), -1, dtype=np.int64)
         self._radius = radius_m
@@ -61,52 +61,44 @@ class GoalSet:
         self._distance: Floats = np.empty(0)  # [P]
         self._rebuild()
 
-    @property
-    def reached(self) -> int:
-        """How many goals have been reached."""
-        return int((self.reached_step >= 0).sum())
-
     def drain(self, positions: Floats, steps: Ints) -> None:
-        """Close every goal within the radius of one of `positions` [n, 3], visited at `steps` [n] (ascending)."""
-        while len(self._open):
-            near, place = self._tree.query(positions, distance_upper_bound=self._radius)
-            hits = np.flatnonzero(np.isfinite(near))
-            if not len(hits):
-                return
-            goals, first = np.unique(self._open[place[hits]], return_index=True)
-            # The first position nearest to a goal need not be the first within the radius of it.
-            away = np.linalg.norm(positions[:, None, :] - self.goals[goals][None], axis=2) <= self._radius
-            self.reached_step[goals] = steps[away.argmax(axis=0)]
-            self._rebuild()
+        """Close every goal within its radius of one of `positions` [n, 3], visited at `steps` [n] (ascending)."""
+        if self._tree is None or not len(positions):
+            return
+        near = self._near(positions)
+        if not len(near):
+            return
+        visitors = cKDTree(positions).query_ball_point(self.goals[near], self._radius[near])
+        for goal, who in zip(near.tolist(), visitors, strict=True):
+            if who:
+                self.reached_step[goal] = steps[min(who)]
+        self._rebuild()
 
     def distances(self, points: Floats) -> Floats:
         """Distance [P] of every cached point to its nearest open goal [m]; infinite when none is open.
 
         Goals only ever close, so a point's distance changes only when its nearest goal does.
         """
-        known = len(self._nearest)
-        fresh = np.arange(known, len(points))
-        self._nearest = np.append(self._nearest, np.full(len(fresh), -1))
-        self._distance = np.append(self._distance, np.full(len(fresh), np.inf))
-        stale = np.flatnonzero((self._nearest < 0) | (self.reached_step[self._nearest] >= 0))
-        if not len(self._open):
+        fresh = len(points) - len(self._nearest)
+        self._nearest = np.append(self._nearest, np.full(fresh, -1))
+        self._distance = np.append(self._distance, np.full(fresh, np.inf))
+        if self._tree is None:
             self._distance[:] = np.inf
-        elif len(stale):
+            return self._distance
+        stale = np.flatnonzero((self._nearest < 0) | (self.reached_step[self._nearest] >= 0))
+        if len(stale):
             near, place = self._tree.query(points[stale])
             self._nearest[stale], self._distance[stale] = self._open[place], near
         return self._distance
 
+    def _near(self, positions: Floats) -> Ints:
+        """Open goals that one of the positions can be within the radius of: those near a coarse cell of theirs."""
+        assert self._tree is not None
+        cells = np.unique(np.floor(positions / _COARSE_M), axis=0)
+        reach = _COARSE_M * np.sqrt(3) / 2 + self._radius.max()
+        found = self._tree.query_ball_point((cells + 0.5) * _COARSE_M, reach)
+        return self._open[np.unique(np.concatenate([np.array(f, dtype=np.int64) for f in found]))]
+
     def _rebuild(self) -> None:
         self._open: Ints = np.flatnonzero(self.reached_step < 0)
-        self._tree = cKDTree(self.goals[self._open]) if len(self._open) else None
-
-
-
-
-def note_first_visits(visited: Ints, required: Sequence[Required], positions: Floats, steps: Ints) -> None:
-    """Enter in `visited` [R] (-1: not yet) the step at which a position [n, 3] first came near enough."""
-    for index in np.flatnonzero(visited < 0):
-        place = required[index]
-        near = np.linalg.norm(positions - place.position, axis=1) <= place.within_m
-        if near.any():
-            visited[index] = steps[near.argmax()]
+        self._tree: cKDTree | None = cKDTree(self.goals[self._open]) if len(self._open) else None

@@ -5,56 +5,63 @@ To add one: write the function and name it in HEURISTICS. Level files name them 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 
 import numpy as np
 
 from reachtest.interfaces import ResetHeuristic
-from reachtest.records import Floats, Ints
+from reachtest.records import Candidates, Floats
+
+NEAREST_M = 0.5  # a goal's last metre is no reason to restart from one point for ever
 
 
-def visits(visits: Ints, goal_distance: Floats) -> Floats:
+def visits(candidates: Candidates) -> Floats:
     """1 / n(s): seldom visited places first (paper, "Visitation-Based")."""
-    return np.asarray(1.0 / np.maximum(visits, 1), dtype=np.float64)
+    return 1.0 / np.maximum(candidates.visits, 1)
 
 
-def goals(visits: Ints, goal_distance: Floats, radius_m: float) -> Floats:
-    """1 / d(S_nav-mesh, s): near goals that are still open (paper, "Nav-Mesh Goal Guided").
+def goals(candidates: Candidates) -> Floats:
+    """1 / d(S_nav-mesh, s): near goals that are still open (paper, "Nav-Mesh Goal Guided")."""
+    return 1.0 / np.maximum(candidates.goal_distance, NEAREST_M)
 
-    A point can be nearer than the radius at which goals drain (a later position drained the goal's
-    neighbour), so the distance is bounded below by it.
+
+def off_mesh(candidates: Candidates) -> Floats:
+    """1 / n(s), the more the farther from the nav-mesh: bugs are sought, and getting off it is how they begin.
+
+    Full weight where the nav-mesh is out of reach, none on it.
     """
-    return np.asarray(1.0 / np.maximum(goal_distance, radius_m), dtype=np.float64)
+    away = np.minimum(candidates.off_mesh_m / candidates.expected_within_m, 1.0)
+    return away * visits(candidates)
 
 
-def uniform(visits: Ints, goal_distance: Floats) -> Floats:
+def uniform(candidates: Candidates) -> Floats:
     """Every cached point alike: the paper's ablation."""
-    return np.ones(len(visits))
+    return np.ones(len(candidates.visits))
 
 
-HEURISTICS: dict[str, Callable[[float], ResetHeuristic]] = {
-    "visits": lambda radius_m: visits,
-    "goals": lambda radius_m: partial(goals, radius_m=radius_m),
-    "uniform": lambda radius_m: uniform,
+HEURISTICS: dict[str, ResetHeuristic] = {
+    "visits": visits,
+    "goals": goals,
+    "off_mesh": off_mesh,
+    "uniform": uniform,
 }
 
 
-def mixture(weights: Mapping[str, float], power: float, radius_m: float) -> ResetHeuristic:
-    """The weighted mixture of normalised heuristics, to the power p.
+def mixture(weights: Mapping[str, float], power: float) -> ResetHeuristic:
+    """Each heuristic to the power p, normalised, and mixed: a weight is a share of the restarts.
 
-    A heuristic that is zero everywhere (no goal is left) drops out; if all do, every point counts alike.
-    Raises KeyError for a name that is not in HEURISTICS.
+    A heuristic without an opinion (no goal is left) leaves its share to the others; if none has one, every
+    point counts alike. Raises KeyError for a name that is not in HEURISTICS.
     """
-    parts = [(weight, HEURISTICS[name](radius_m)) for name, weight in weights.items() if weight > 0]
+    parts = [(weight, HEURISTICS[name]) for name, weight in weights.items() if weight > 0]
 
-    def eta(visits: Ints, goal_distance: Floats) -> Floats:
-        total = np.zeros(len(visits))
+    def eta(candidates: Candidates) -> Floats:
+        total = np.zeros(len(candidates.visits))
         for weight, heuristic in parts:
-            value = heuristic(visits, goal_distance)
+            value = heuristic(candidates) ** power
             norm = value.sum()
             if norm > 0:
                 total += weight * value / norm
-        return total**power if total.any() else np.ones(len(visits))
+        return total if total.any() else np.ones(len(total))
 
     return eta

@@ -1,0 +1,206 @@
+"""What climbing structures are made of, and the record of how one gets from each to the next.
+
+A part is a stretch of the nav-mesh with one name and the skill it takes to get there from the part before. A
+link leads from one patch of the nav-mesh to another where only a jump or a drop does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from kit.files import place
+from kit.pieces import Corner, Piece, Rect, box, slope
+
+DECK_M = 0.5  # thickness of what hangs in the air
+NET_M, NET_THICK_M = 2.5, 0.25
+SIDES = "ENWS"  # in the order in which a spiral climbs them, anticlockwise
+WAYS = {"E": "+y", "N": "-x", "W": "-y", "S": "+x"}
+
+
+@dataclass(frozen=True)
+class Part:
+    """A named stretch of the nav-mesh."""
+
+    name: str
+    skill: str  # walk, beam, jump or drop: what leads here from the part before
+    after: str | None
+    at: Corner  # a place on it
+    low: Corner
+    high: Corner
+
+
+@dataclass(frozen=True)
+class Link:
+    """A jump or drop from one place on the nav-mesh to another, across `gap_m` and up `rise_m`."""
+
+    skill: str
+    start: Corner
+    end: Corner
+    gap_m: float
+    rise_m: float
+
+
+@dataclass
+class Course:
+    """The map as it is being built."""
+
+    pieces: list[Piece] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
+
+    def add(self, name: str, kind: str, rect: Rect, base: float, top: float) -> Piece:
+        """Place a box."""
+        piece = box(name, kind, rect, round(base, 3), round(top, 3))
+        self.pieces.append(piece)
+        return piece
+
+    def ramp(self, name: str, kind: str, rect: Rect, base: float, top: float, uphill: str) -> None:
+        """Place a ramp or stairs."""
+        self.pieces.append(slope(name, kind, rect, round(base, 3), round(top, 3), uphill))
+
+    def part(self, name: str, skill: str, after: str | None, at: Corner, rects: Sequence[Rect], heights: Sequence[float]) -> None:
+        """Note a part that covers `rects` at some of `heights`."""
+        low = (min(r.x0 for r in rects), min(r.y0 for r in rects), round(min(heights) - 0.3, 3))
+        high = (max(r.x1 for r in rects), max(r.y1 for r in rects), round(max(heights) + 0.3, 3))
+        self.parts.append(Part(name, skill, after, at, low, high))
+
+    def link(self, skill: str, start: Piece, end: Piece, gap: float) -> None:
+        """Note a jump or drop between two platforms."""
+        rise = round(end.top - start.top, 3)
+        self.links.append(Link(skill, middle(start), middle(end), gap, rise))
+
+    # --- structures
+
+    def beam(self, name: str, rect: Rect, top: float, after: str) -> None:
+        """A narrow beam; long in one direction."""
+        self.add(name, "platform", rect, top - DECK_M, top)
+        self.part(name, "beam", after, (*rect.middle, top), [rect], [top])
+
+    def spiral(self, name: str, kind: str, core: Rect, base: float, rise: float, sides: str, width: float = 3.0) -> None:
+        """A way up round `core`, rising by `rise` along each of `sides`, and a last landing that joins its top."""
+        height = base
+        for side in sides:
+            foot = 0.5 if kind == "stairs" else 0.0
+            self.ramp(name, kind, _lane(core, side, width, foot), height, height + rise, WAYS[side])
+            height = round(height + rise, 3)
+            self.add(name, "platform", _corner(core, side, width), height - DECK_M, height)
+        follow = SIDES[(SIDES.index(sides[-1]) + 1) % 4]
+        self.add(name, "platform", _start(core, follow, width), height - DECK_M, height)
+
+    def chain(
+        self, name: str, start: Piece, way: str, across: float, count: int, gap: float, rise: float, after: str, size: float = 3.0
+    ) -> Piece:
+        """Pillars in a row from an edge of `start`, each a jump from the last; returns the last one.
+
+        `across` is the coordinate of their middle line; `rise` is from each to the next [m].
+        """
+        previous, pillars = start, []
+        for _ in range(count):
+            rect = _beside(previous.footprint, way, across, gap, size)
+            pillar = self.add(name, "platform", rect, 0.0, previous.top + rise)
+            self.link("jump", previous, pillar, gap)
+            pillars.append(pillar)
+            previous = pillar
+        rects = [pillar.footprint for pillar in pillars]
+        self.part(name, "jump", after, middle(previous), rects, [pillar.top for pillar in pillars])
+        return previous
+
+    def nets(self, name: str, rect: Rect, top: float, sides: str) -> list[Piece]:
+        """Nets along some sides of a platform, on its rim."""
+        t = NET_THICK_M
+        rects = {
+            "S": Rect(rect.x0, rect.y0, rect.x1, rect.y0 + t),
+            "N": Rect(rect.x0, rect.y1 - t, rect.x1, rect.y1),
+            "W": Rect(rect.x0, rect.y0 + t, rect.x0 + t, rect.y1 - t),
+            "E": Rect(rect.x1 - t, rect.y0 + t, rect.x1, rect.y1 - t),
+        }
+        return [box(name, "block", rects[side], round(top, 3), round(top + NET_M, 3)) for side in sides]
+
+    def needs(self, part: Part) -> list[str]:
+        """All skills on the way to a part, in order of first use."""
+        names = {other.name: other for other in self.parts}
+        way = [part]
+        while (before := way[-1].after) is not None:
+            way.append(names[before])
+        return list(dict.fromkeys(step.skill for step in reversed(way)))
+
+    def truth(self) -> dict[str, Any]:
+        """Parts and links as truth.yaml has them."""
+        parts = [
+            {
+                "name": part.name,
+                "skill": part.skill,
+                "after": part.after,
+                "needs": self.needs(part),
+                "position": place(part.at),
+                "bounds": _bounds(part.low, part.high),
+            }
+            for part in self.parts
+        ]
+        links = [
+            {
+                "skill": link.skill,
+                "from": place(link.start),
+                "to": place(link.end),
+                "gap_m": link.gap_m,
+                "rise_m": link.rise_m,
+            }
+            for link in self.links
+        ]
+        return {"parts": parts, "links": links}
+
+
+def middle(piece: Piece) -> Corner:
+    """The middle of a platform's top."""
+    return (*piece.footprint.middle, piece.top)
+
+
+def _bounds(low: Corner, high: Corner) -> dict[str, list[float]]:
+    a, b = place(low), place(high)
+    pairs = [sorted(pair) for pair in zip(a, b, strict=True)]
+    return {"low": [pair[0] for pair in pairs], "high": [pair[1] for pair in pairs]}
+
+
+def _lane(core: Rect, side: str, width: float, foot: float) -> Rect:
+    """The strip outside of a side of `core`, without `foot` at its lower end."""
+    return {
+        "E": Rect(core.x1, core.y0 + foot, core.x1 + width, core.y1),
+        "N": Rect(core.x0, core.y1, core.x1 - foot, core.y1 + width),
+        "W": Rect(core.x0 - width, core.y0, core.x0, core.y1 - foot),
+        "S": Rect(core.x0 + foot, core.y0 - width, core.x1, core.y0),
+    }[side]
+
+
+def _corner(core: Rect, side: str, width: float) -> Rect:
+    """The square at the upper end of the lane along a side."""
+    x, y = {
+        "E": (core.x1, core.y1),
+        "N": (core.x0 - width, core.y1),
+        "W": (core.x0 - width, core.y0 - width),
+        "S": (core.x1, core.y0 - width),
+    }[side]
+    return Rect(x, y, x + width, y + width)
+
+
+def _start(core: Rect, side: str, width: float) -> Rect:
+    """The first square of the lane along a side."""
+    lane = _lane(core, side, width, 0.0)
+    return {
+        "E": Rect(lane.x0, lane.y0, lane.x1, lane.y0 + width),
+        "N": Rect(lane.x1 - width, lane.y0, lane.x1, lane.y1),
+        "W": Rect(lane.x0, lane.y1 - width, lane.x1, lane.y1),
+        "S": Rect(lane.x0, lane.y0, lane.x0 + width, lane.y1),
+    }[side]
+
+
+def _beside(rect: Rect, way: str, across: float, gap: float, size: float) -> Rect:
+    """The square across a gap from an edge of `rect`."""
+    a, b = across - size / 2, across + size / 2
+    return {
+        "+x": Rect(rect.x1 + gap, a, rect.x1 + gap + size, b),
+        "-x": Rect(rect.x0 - gap - size, a, rect.x0 - gap, b),
+        "+y": Rect(a, rect.y1 + gap, b, rect.y1 + gap + size),
+        "-y": Rect(a, rect.y0 - gap - size, b, rect.y0 - gap),
+    }[way]
