@@ -101,7 +101,9 @@ class ColumnIndex:
         last = ((flat.max(axis=1) - self._low) // self._cell).astype(np.int64)
         span = last - first + 1
         row, place = _expand(span.prod(axis=1))
-        column = (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
+        column = (
+            (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
+        )
         order = np.argsort(column, kind="stable")
         self._members = row[order].astype(np.int32)
         self._start = np.searchsorted(column[order], np.arange(self._shape.prod() + 1))
@@ -199,7 +201,9 @@ class SurfaceIndex:
         if limit > self.limit_m:
             raise ValueError(f"limit {limit} m is beyond the index's {self.limit_m} m")
         place, known = self._lookup(points)
-        result = known & self._whole[place] if limit == self.limit_m else np.zeros(len(points), dtype=np.bool_)
+        result = (
+            known & self._whole[place] if limit == self.limit_m else np.zeros(len(points), dtype=np.bool_)
+        )
         ask = np.flatnonzero(known & ~result)
         result[ask] = self._nearest(points[ask], place[ask]) <= limit
         return result

@@ -24,7 +24,8 @@ class ProgressDisplay(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
-    def on_round(self, record: RoundRecord) -> None: ...
+    def on_round(self, record: RoundRecord) -> None:
+        """Show where the run stands."""
 
 
 class BarProgress:

@@ -75,7 +75,9 @@ class Lot:
                 )
                 self.add("fence", rects[number], height)
 
-    def scatter(self, rect: Rect, count: int, pitch: float, clear: Rect | None = None) -> list[tuple[float, float]]:
+    def scatter(
+        self, rect: Rect, count: int, pitch: float, clear: Rect | None = None
+    ) -> list[tuple[float, float]]:
         """Up to `count` places on a grid of `pitch` [m] in `rect`, none within `clear`."""
         xs = [rect.x0 + pitch * k for k in range(int(rect.width // pitch) + 1)]
         ys = [rect.y0 + pitch * k for k in range(int(rect.depth // pitch) + 1)]

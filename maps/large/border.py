@@ -69,7 +69,12 @@ def walls(broken: dict[tuple[str, int], Span]) -> Iterator[Piece]:
                 rect = _wall(edge, (at - BUTTRESS_M / 2, at + BUTTRESS_M / 2), BUTTRESS_M - WALL_M)
                 yield box(f"{edge} buttress {number}", "block", rect, 0.0, BUTTRESS_TOP_M)
     near, far = HALF_M - BUTTRESS_M, OUTER_M
-    for name, x, y in (("south-west", -1, -1), ("south-east", 1, -1), ("north-west", -1, 1), ("north-east", 1, 1)):
+    for name, x, y in (
+        ("south-west", -1, -1),
+        ("south-east", 1, -1),
+        ("north-west", -1, 1),
+        ("north-east", 1, 1),
+    ):
         xs, ys = sorted((x * near, x * far)), sorted((y * near, y * far))
         yield box(f"{name} tower", "block", Rect(xs[0], ys[0], xs[1], ys[1]), 0.0, BUTTRESS_TOP_M)
 
@@ -109,7 +114,9 @@ def _missing_wall(edge: str, number: int) -> Escape:
     span = (m - HALF_GAPS_M[_missing_wall], m + HALF_GAPS_M[_missing_wall])
     house = box("waterworks", "block", Rect(x, m - 10, x + 7, m + 10), 0.0, 9.0)
     mended = box(f"{edge} wall {number + 1} middle", "block", _wall(edge, span), 0.0, WALL_TOP_M)
-    text = "Four metres of the west wall are missing behind the waterworks: one walks out and falls off the map."
+    text = (
+        "Four metres of the west wall are missing behind the waterworks: one walks out and falls off the map."
+    )
     bug = _bug(edge, number, "gap behind the waterworks", (-HALF_M - 0.5, m, 0.0), 0.0, text)
     return Escape(bug, (house,), (), (mended,))
 
@@ -117,10 +124,14 @@ def _missing_wall(edge: str, number: int) -> Escape:
 def _crates(edge: str, number: int) -> Escape:
     m, x = _middle(number), -HALF_M
     crates = tuple(
-        box(f"stray crate {k + 1}", "block", Rect(x, a, x + CRATE_M, a + CRATE_M), 0.0, CRATE_RISE_M * (k + 1))
+        box(
+            f"stray crate {k + 1}", "block", Rect(x, a, x + CRATE_M, a + CRATE_M), 0.0, CRATE_RISE_M * (k + 1)
+        )
         for k, a in enumerate(m + CRATE_M * k for k in range(5))
     )
-    text = "Crates piled against the west wall, each a jump higher than the last, lead onto it and off the map."
+    text = (
+        "Crates piled against the west wall, each a jump higher than the last, lead onto it and off the map."
+    )
     at = (-HALF_M + CRATE_M / 2, m + 4.5 * CRATE_M, CRATE_RISE_M * 5)
     return Escape(_bug(edge, number, "crates at the west wall", at, CRATE_M, text), (), crates, ())
 
@@ -133,7 +144,12 @@ def _scaffold(edge: str, number: int) -> Escape:
         box("scaffold platform", "platform", Rect(x, m, x + 2, m + 2), 0.0, WALL_TOP_M),
     )
     text = "A scaffold was left at the west wall. Its ramp leads onto the wall, and from there one falls off the map."
-    return Escape(_bug(edge, number, "scaffold at the west wall", (x + 1, m + 1, WALL_TOP_M), 2.0, text), (), scaffold, ())
+    return Escape(
+        _bug(edge, number, "scaffold at the west wall", (x + 1, m + 1, WALL_TOP_M), 2.0, text),
+        (),
+        scaffold,
+        (),
+    )
 
 
 def _low_wall(edge: str, number: int) -> Escape:
@@ -143,7 +159,9 @@ def _low_wall(edge: str, number: int) -> Escape:
     hiding = box("transformer", "block", Rect(m - 8, y, m + 8, y + 5), 0.0, 5.0)
     low = box(part, "block", _wall(edge, span), 0.0, CRATE_RISE_M)
     mended = replace(low, high=(*low.high[:2], WALL_TOP_M))
-    text = "Six metres of the south wall are 0.75 m high instead of 4.5 m: one jumps over and falls off the map."
+    text = (
+        "Six metres of the south wall are 0.75 m high instead of 4.5 m: one jumps over and falls off the map."
+    )
     bug = _bug(edge, number, "low wall behind the transformer", (m, -HALF_M - 0.5, CRATE_RISE_M), 0.0, text)
     return Escape(bug, (hiding,), (low,), (mended,))
 
@@ -156,9 +174,13 @@ def _container(edge: str, number: int) -> Escape:
         for k, (x, top, base) in enumerate(tops)
     ]
     container = box("stray container", "block", Rect(m - 3, y, m + 3, y + 2.5), 0.0, 2.75)
-    text = "A container at the south wall with boxes beside and on it: a climb onto the wall, and off the map."
+    text = (
+        "A container at the south wall with boxes beside and on it: a climb onto the wall, and off the map."
+    )
     at = (m + 2.25, y + CRATE_M / 2, 4.25)
-    return Escape(_bug(edge, number, "container at the south wall", at, 2.5, text), (), (container, *pile), ())
+    return Escape(
+        _bug(edge, number, "container at the south wall", at, 2.5, text), (), (container, *pile), ()
+    )
 
 
 def _open_roof(edge: str, number: int) -> Escape:

@@ -41,9 +41,7 @@ def walkable(city: City) -> Mesh:
 def spawns(city: City) -> list[dict[str, Any]]:
     """Sixteen of them on crossings all over the city."""
     columns, rows = len(city.streets.columns) - 1, len(city.streets.rows) - 1
-    chosen = [
-        (columns * (2 * i + 1) // 8, rows * (2 * j + 1) // 8) for j in range(4) for i in range(4)
-    ]
+    chosen = [(columns * (2 * i + 1) // 8, rows * (2 * j + 1) // 8) for j in range(4) for i in range(4)]
     found = []
     for i, j, x, y in city.streets.crossings:
         if (i, j) in chosen:

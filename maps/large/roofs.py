@@ -15,7 +15,9 @@ PARAPET_M = 1.5
 THICK_M = 0.25  # of parapets and guards
 FLIGHT_M = 2.0  # width of a flight of stairs or a ramp
 LANDING_M = 2.5
-CORNER_M = 3.0  # no flight comes nearer to the corner of its building: leaves room for the one round the corner
+CORNER_M = (
+    3.0  # no flight comes nearer to the corner of its building: leaves room for the one round the corner
+)
 GUARD_STEP_M = 4.0  # a guard along a flight gets higher in pieces of about this length
 SIDES = "SENW"  # anticlockwise
 
@@ -126,7 +128,9 @@ def _flight(roof: Roof, flight: Flight) -> Iterator[Piece]:
     first = top_end - flight.up * run
     span = (min(first, top_end), max(first, top_end))
     uphill = ("+" if flight.up > 0 else "-") + ("x" if flight.side in "SN" else "y")
-    yield slope(roof.name, flight.kind, strip(roof.rect, flight.side, span, 0.0, FLIGHT_M), 0.0, roof.top, uphill)
+    yield slope(
+        roof.name, flight.kind, strip(roof.rect, flight.side, span, 0.0, FLIGHT_M), 0.0, roof.top, uphill
+    )
     yield box(roof.name, "platform", strip(roof.rect, flight.side, flight.door, 0.0, FLIGHT_M), 0.0, roof.top)
     outer = FLIGHT_M + THICK_M
     far = flight.end + flight.up * THICK_M
@@ -136,7 +140,9 @@ def _flight(roof: Roof, flight: Flight) -> Iterator[Piece]:
         rect = strip(roof.rect, flight.side, (min(a, b), max(a, b)), -FLIGHT_M, outer)
         yield box(roof.name, "block", rect, 0.0, math.ceil(floor * 4) / 4 + PARAPET_M)
     end = (min(far, flight.end), max(far, flight.end))
-    yield box(roof.name, "block", strip(roof.rect, flight.side, end, 0.0, FLIGHT_M), 0.0, roof.top + PARAPET_M)
+    yield box(
+        roof.name, "block", strip(roof.rect, flight.side, end, 0.0, FLIGHT_M), 0.0, roof.top + PARAPET_M
+    )
 
 
 def _guard_cuts(flight: Flight, far: float) -> list[float]:

@@ -53,9 +53,7 @@ class Streets:
     def avenue(self) -> Span:
         """The extent in y of the avenue."""
         return next(
-            (a[1], b[0])
-            for a, b in zip(self.rows, self.rows[1:], strict=False)
-            if b[0] - a[1] == AVENUE_M
+            (a[1], b[0]) for a, b in zip(self.rows, self.rows[1:], strict=False) if b[0] - a[1] == AVENUE_M
         )
 
 

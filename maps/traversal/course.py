@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kit.files import place
-from kit.pieces import Corner, Piece, Rect, box, slope
+from kit.pieces import STEP_TREAD_M, Corner, Piece, Rect, box, slope
 
 DECK_M = 0.5  # thickness of what hangs in the air
 NET_M, NET_THICK_M = 2.5, 0.25
@@ -60,7 +60,15 @@ class Course:
         """Place a ramp or stairs."""
         self.pieces.append(slope(name, kind, rect, round(base, 3), round(top, 3), uphill))
 
-    def part(self, name: str, skill: str, after: str | None, at: Corner, rects: Sequence[Rect], heights: Sequence[float]) -> None:
+    def part(
+        self,
+        name: str,
+        skill: str,
+        after: str | None,
+        at: Corner,
+        rects: Sequence[Rect],
+        heights: Sequence[float],
+    ) -> None:
         """Note a part that covers `rects` at some of `heights`."""
         low = (min(r.x0 for r in rects), min(r.y0 for r in rects), round(min(heights) - 0.3, 3))
         high = (max(r.x1 for r in rects), max(r.y1 for r in rects), round(max(heights) + 0.3, 3))
@@ -78,19 +86,40 @@ class Course:
         self.add(name, "platform", rect, top - DECK_M, top)
         self.part(name, "beam", after, (*rect.middle, top), [rect], [top])
 
-    def spiral(self, name: str, kind: str, core: Rect, base: float, rise: float, sides: str, width: float = 3.0) -> None:
-        """A way up round `core`, rising by `rise` along each of `sides`, and a last landing that joins its top."""
+    def spiral(
+        self, name: str, kind: str, core: Rect, base: float, rise: float, sides: str, width: float = 3.0
+    ) -> Piece:
+        """A way up round `core`, rising by `rise` along each of `sides`, to a landing that joins its top.
+
+        Returns that landing, which reaches round the last corner of the core.
+        """
         height = base
         for side in sides:
-            foot = 0.5 if kind == "stairs" else 0.0
+            foot = STEP_TREAD_M if kind == "stairs" else 0.0
+            if foot and height > base:
+                self.add(name, "platform", _pad(core, side, width, foot), height - DECK_M, height)
             self.ramp(name, kind, _lane(core, side, width, foot), height, height + rise, WAYS[side])
             height = round(height + rise, 3)
             self.add(name, "platform", _corner(core, side, width), height - DECK_M, height)
         follow = SIDES[(SIDES.index(sides[-1]) + 1) % 4]
-        self.add(name, "platform", _start(core, follow, width), height - DECK_M, height)
+        last, corner = _start(core, follow, width), _corner(core, sides[-1], width)
+        both = Rect(
+            min(last.x0, corner.x0), min(last.y0, corner.y0), max(last.x1, corner.x1), max(last.y1, corner.y1)
+        )
+        self.pieces.pop()
+        return self.add(name, "platform", both, height - DECK_M, height)
 
     def chain(
-        self, name: str, start: Piece, way: str, across: float, count: int, gap: float, rise: float, after: str, size: float = 3.0
+        self,
+        name: str,
+        start: Piece,
+        way: str,
+        across: float,
+        count: int,
+        gap: float,
+        rise: float,
+        after: str,
+        size: float = 3.0,
     ) -> Piece:
         """Pillars in a row from an edge of `start`, each a jump from the last; returns the last one.
 
@@ -170,6 +199,17 @@ def _lane(core: Rect, side: str, width: float, foot: float) -> Rect:
         "N": Rect(core.x0, core.y1, core.x1 - foot, core.y1 + width),
         "W": Rect(core.x0 - width, core.y0, core.x0, core.y1 - foot),
         "S": Rect(core.x0 + foot, core.y0 - width, core.x1, core.y0),
+    }[side]
+
+
+def _pad(core: Rect, side: str, width: float, foot: float) -> Rect:
+    """The lower end of the lane, which stairs leave free."""
+    whole, rest = _lane(core, side, width, 0.0), _lane(core, side, width, foot)
+    return {
+        "E": Rect(whole.x0, whole.y0, whole.x1, rest.y0),
+        "N": Rect(rest.x1, whole.y0, whole.x1, whole.y1),
+        "W": Rect(whole.x0, rest.y1, whole.x1, whole.y1),
+        "S": Rect(whole.x0, whole.y0, rest.x0, whole.y1),
     }[side]
 
 

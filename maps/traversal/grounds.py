@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course import Course, middle
+from course import DECK_M, Course, middle
 from kit.pieces import Piece, Rect
 
 FIELD_GAPS_M = (2.0, 2.5, 3.0, 4.0)  # between the columns of the field
@@ -14,12 +14,32 @@ HEDGE_M = 2.4  # who lands on a hedge is near the ground still
 
 def build(course: Course) -> None:
     """Everything but the towers."""
+    _gallery(course)
     _field(course)
     _vault(course)
     _terraces(course)
     _beams(course)
     _round_tower(course)
     _hedges(course)
+
+
+def _gallery(course: Course) -> None:
+    """A square deck round the keep, 8 m up on posts, with a ramp."""
+    name, inner, outer, top = "gallery", 16.0, 24.0, 8.0
+    sides = (
+        Rect(-outer, -outer, outer, -inner),
+        Rect(-outer, inner, outer, outer),
+        Rect(-outer, -inner, -inner, inner),
+        Rect(inner, -inner, outer, inner),
+    )
+    for rect in sides:
+        course.add(name, "platform", rect, top - DECK_M, top)
+    for x in (-outer, -8.5, 7.5, outer - 1):
+        for y in (-outer, outer - 1):
+            course.add(f"{name} posts", "block", Rect(x, y, x + 1, y + 1), 0.0, top - DECK_M)
+    ramp = Rect(outer, -22, outer + 2 * top, -18)
+    course.ramp(f"{name} ramp", "ramp", ramp, 0.0, top, "-x")
+    course.part(name, "walk", "ground", (20, 20, top), [*sides, ramp], [1.0, top])
 
 
 def _field(course: Course) -> None:
@@ -38,12 +58,16 @@ def _field(course: Course) -> None:
             if pillars:
                 between = min(column, columns[number - 1]) if number else 0
                 height += FIELD_RISES_M[between] if number else ROW_RISE_M
-            pillars.append(course.add(name, "platform", Rect(xs[column], y, xs[column] + 3, y + 3), 0.0, height))
+            pillars.append(
+                course.add(name, "platform", Rect(xs[column], y, xs[column] + 3, y + 3), 0.0, height)
+            )
             if len(pillars) > 1:
                 gap = FIELD_GAPS_M[between] if number else ROW_GAP_M
                 course.link("jump", pillars[-2], pillars[-1], gap)
     ramp = Rect(-20, -48, -12, -45)
-    course.part(f"{name} ramp", "walk", "ground", middle(pillars[0]), [ramp, pillars[0].footprint], [1.0, 4.0])
+    course.part(
+        f"{name} ramp", "walk", "ground", middle(pillars[0]), [ramp, pillars[0].footprint], [1.0, 4.0]
+    )
     rects, tops = [p.footprint for p in pillars[1:]], [p.top for p in pillars[1:]]
     course.part(name, "jump", f"{name} ramp", middle(pillars[-1]), rects, tops)
 

@@ -40,7 +40,12 @@ def walls(course: Course) -> None:
         ("east wall", Rect(h - w, -h + c, h, h - c)),
     ):
         course.add(name, "block", rect, 0.0, WALL_TOP_M)
-    for name, x, y in (("south-west", -h, -h), ("south-east", h - c, -h), ("north-west", -h, h - c), ("north-east", h - c, h - c)):
+    for name, x, y in (
+        ("south-west", -h, -h),
+        ("south-east", h - c, -h),
+        ("north-west", -h, h - c),
+        ("north-east", h - c, h - c),
+    ):
         course.add(f"{name} corner", "block", Rect(x, y, x + c, y + c), 0.0, CORNER_TOP_M)
 
 
@@ -49,14 +54,18 @@ def build(course: Course) -> list[Lookout]:
     return [_east(course), _south(course), _west(course), _north(course)]
 
 
-def _lookout(course: Course, side: str, rect: Rect, top: float, skill: str, after: str) -> tuple[Lookout, Piece]:
+def _lookout(
+    course: Course, side: str, rect: Rect, top: float, skill: str, after: str
+) -> tuple[Lookout, Piece]:
     """The platform with its nets; open towards the middle of the map."""
     names = {"E": "east", "S": "south", "W": "west", "N": "north"}
     name = f"{names[side]} lookout"
     platform = course.add(name, "platform", rect, 0.0, top)
     course.part(name, skill, after, (*rect.middle, top), [rect], [top])
     inner = {"E": "W", "W": "E", "N": "S", "S": "N"}[side]
-    course.pieces += course.nets(f"{name} nets", rect, top, "".join(s for s in "SNWE" if s not in (side, inner)))
+    course.pieces += course.nets(
+        f"{name} nets", rect, top, "".join(s for s in "SNWE" if s not in (side, inner))
+    )
     mended = course.nets(f"{name} outer net", rect, top, side)
     return Lookout(_bug(name, side, rect, top), tuple(mended)), platform
 
@@ -82,7 +91,7 @@ def _bug(name: str, side: str, rect: Rect, top: float) -> Bug:
 
 
 def _east(course: Course) -> Lookout:
-    course.beam("east beam", Rect(47, -0.45, 84, 0.45), 16.0, "east tower")
+    course.beam("east beam", Rect(65, -0.45, 84, 0.45), 16.0, "east tower")
     return _lookout(course, "E", Rect(84, -4, 92, 4), 16.0, "walk", "east beam")[0]
 
 
@@ -97,14 +106,14 @@ def _south(course: Course) -> Lookout:
 
 
 def _west(course: Course) -> Lookout:
-    top = next(piece.top for piece in course.pieces if piece.name == "west tower")
-    course.beam("west beam", Rect(-80, 4, -49, 5), top, "west tower")
+    top = next(piece.top for piece in course.pieces if piece.name == "west mesa")
+    course.beam("west beam", Rect(-80, 4, -55, 5), top, "west mesa")
     return _lookout(course, "W", Rect(-88, 0.5, -80, 8.5), top, "walk", "west beam")[0]
 
 
 def _north(course: Course) -> Lookout:
-    start = next(piece for piece in course.pieces if piece.name == "north tower")
-    last = course.chain("north pillars", start, "+y", 0.0, 5, 3.5, 0.0, "north tower")
+    start = next(piece for piece in course.pieces if piece.name == "north mesa")
+    last = course.chain("north pillars", start, "+y", 0.0, 3, 3.5, 0.0, "north mesa")
     rect = Rect(-4, last.high[1] + 3.5, 4, last.high[1] + 3.5 + SIZE_M)
     lookout, platform = _lookout(course, "N", rect, last.top, "jump", "north pillars")
     course.link("jump", last, platform, 3.5)

@@ -75,7 +75,9 @@ class Archive:
 
     def points(self) -> Points:
         """Everything as one frozen record."""
-        rows = {name: column[: self._count].copy() for name, column in self._columns.items() if name != "cell"}
+        rows = {
+            name: column[: self._count].copy() for name, column in self._columns.items() if name != "cell"
+        }
         return Points(**rows)  # type: ignore[arg-type]  # one dict of columns of several dtypes
 
     def _float(self, name: str) -> Floats:

@@ -124,7 +124,8 @@ class Explorer:
         s = self._settings
         length = min(s.reset_interval, -(-(s.steps - self._steps) // s.agents))
         streams = [
-            action_stream(self._seed, self._round, agent, s.reset_interval)[:length] for agent in range(s.agents)
+            action_stream(self._seed, self._round, agent, s.reset_interval)[:length]
+            for agent in range(s.agents)
         ]
         parents = self._draw_starts()
         began = time.monotonic()

@@ -79,7 +79,7 @@ class Replayer:
         positions = np.empty((max(length), len(origins), 3))
         for t in range(max(length)):
             positions[t] = self._simulator.step(actions[t]).positions[: len(origins)]
-            for lane in np.flatnonzero(np.array(length) == t + 1):
+            for lane in (lane for lane, steps in enumerate(length) if steps == t + 1):
                 state = self._simulator.save()[lane]
                 self._done[origins[lane]] = Episode(positions[: t + 1, lane].copy(), state)
 

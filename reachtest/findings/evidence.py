@@ -36,7 +36,9 @@ class Evidence:
     def steps_of_fall(self, fall: Fall) -> int:
         """Length of the known way to a fall [agent steps]."""
         parent = fall.origin.parent
-        return fall.origin.step - fall.origin.start + (int(self.steps_from_spawn[parent]) if parent >= 0 else 0)
+        return (
+            fall.origin.step - fall.origin.start + (int(self.steps_from_spawn[parent]) if parent >= 0 else 0)
+        )
 
     @cached_property
     def solid_of(self) -> Ints:
@@ -49,7 +51,7 @@ class Evidence:
         result = np.full(len(positions), -1, dtype=np.int64)
         for index, solid in enumerate(self.level.solids):
             for height in (character.radius_m, character.height_m / 2):
-                inside = inside_closed_surface(positions + [0.0, 0.0, height], solid.triangles)
+                inside = inside_closed_surface(positions + np.array([0.0, 0.0, height]), solid.triangles)
                 result[inside & (result < 0)] = index
         return result
 

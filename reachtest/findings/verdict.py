@@ -21,7 +21,9 @@ def judge(gate: GateSettings, exploration: Exploration, findings: Sequence[Findi
         return Verdict("inconclusive", stopped, exploration.stop_reason.value)
     missing = _missing(gate, exploration)
     if missing:
-        return Verdict("inconclusive", EXIT_INCONCLUSIVE, "not explored enough to pass: " + "; ".join(missing))
+        return Verdict(
+            "inconclusive", EXIT_INCONCLUSIVE, "not explored enough to pass: " + "; ".join(missing)
+        )
     return Verdict("pass", EXIT_PASS, "nothing that gates was found, and the level was explored")
 
 

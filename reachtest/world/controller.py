@@ -103,7 +103,7 @@ class Controller:
 
     def grounded(self, velocity: Floats, contacts: Contacts, before: Bools) -> Bools:
         """Who stands [B]: touches something walkable without moving away from it, or kept touching it."""
-        touches = contacts.walkable.any(axis=1)
+        touches: Bools = np.asarray(contacts.walkable.any(axis=1))
         unsure = np.flatnonzero(touches & ~before)
         if len(unsure):
             leaving = (contacts.normals[unsure] * velocity[unsure, None, :]).sum(axis=2)
@@ -162,7 +162,8 @@ def cut_by_obstacles(velocity: Floats, flat: Floats) -> Floats:
     clear = (candidates @ flat.transpose(0, 2, 1)).min(axis=2) > -1e-6
     # What is not pushed against is no candidate (its projection is the velocity itself), unless nothing is.
     pushed = into < 0
-    cost = np.where(clear & (pushed | ~pushed.any(axis=1)[:, None]), -into, np.inf)
+    free = ~pushed.any(axis=1, keepdims=True)
+    cost = np.where(clear & (pushed | free), -into, np.inf)
     best = cost.argmin(axis=1)
     rows = np.arange(len(velocity))
     possible = cost[rows, best] < np.inf

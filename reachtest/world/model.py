@@ -47,7 +47,9 @@ def build_model(triangles: Floats, character: Character, timestep_s: float) -> m
         # Mesh vertices are float32: keep them small, the position of the geom is float64.
         centre = corners.mean(axis=0)
         local = corners - centre
-        mesh = spec.add_mesh(name=f"t{index}", uservert=np.concatenate([local, local - PRISM_M * normal]).ravel())
+        mesh = spec.add_mesh(
+            name=f"t{index}", uservert=np.concatenate([local, local - PRISM_M * normal]).ravel()
+        )
         mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_MESH,
@@ -78,7 +80,10 @@ def _add_capsule(spec: mujoco.MjSpec, character: Character) -> None:
         gap=SKIN_M,
     )
     sensor = spec.add_sensor(
-        name="contacts", type=mujoco.mjtSensor.mjSENS_CONTACT, objtype=mujoco.mjtObj.mjOBJ_GEOM, objname="capsule"
+        name="contacts",
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_GEOM,
+        objname="capsule",
     )
     bits = mujoco.mjtConDataField
     data = 1 << int(bits.mjCONDATA_FOUND) | 1 << int(bits.mjCONDATA_DIST) | 1 << int(bits.mjCONDATA_NORMAL)

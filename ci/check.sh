@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The whole gate: sets up a virtual environment, then format, lint, strict types and tests.
+# Needs Python 3.11 or newer and nothing else. REACHTEST_VENV names another place for the environment.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+venv=${REACHTEST_VENV:-.venv-check}
+[ -x "$venv/bin/python" ] || python3 -m venv "$venv"
+"$venv/bin/pip" install --quiet --disable-pip-version-check -e '.[dev]'
+"$venv/bin/ruff" format --check .
+"$venv/bin/ruff" check .
+"$venv/bin/mypy"
+"$venv/bin/python" -m pytest "$@"

@@ -1,0 +1,127 @@
+"""Long measurements: the planted bugs over seeds, and the real levels. Prints Markdown tables."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+OPEN_LEVELS = ("demo_level", "three_pathfinding", "tut3d", "nav_test")
+SEALED_LEVELS = ("oa_dm1",)
+FOOTING_M = 3.0  # a footing of the reference character this near to ours is the same edge
+
+
+def run(level: Path, seed: int, *options: str) -> dict[str, Any]:
+    """The report of one run, as the command line gives it."""
+    with tempfile.TemporaryDirectory() as out:
+        command = [sys.executable, "-m", "reachtest", "run", str(level), "--seed", str(seed), "--out", out]
+        done = subprocess.run([*command, "--json", "--quiet", *options], capture_output=True, text=True)
+    if done.returncode not in (0, 1, 4):
+        raise SystemExit(f"{level} seed {seed}: exit status {done.returncode}\n{done.stderr}")
+    report = json.loads(done.stdout)
+    assert report["exit_code"] == done.returncode
+    return dict(report)
+
+
+def small() -> None:
+    """Both bugs of maps/small in every seed, and nothing in the fixed map."""
+    truth = yaml.safe_load((ROOT / "maps/small/truth.yaml").read_text())["bugs"]
+    print(
+        "| map | seed | exit | findings | all goals at step | goals | positions | wall s | physics / cache s |"
+    )
+    print("|---|---|---|---|---|---|---|---|---|")
+    for name in ("level.yaml", "level-fixed.yaml"):
+        for seed in range(10):
+            report = run(ROOT / "maps/small" / name, seed)
+            gating = [f for f in report["findings"] if f["gating"]]
+            matched = {bug["name"] for bug in truth for f in gating if _matches(bug, f)}
+            strays = [f for f in gating if not any(_matches(bug, f) for bug in truth)]
+            what = ", ".join(sorted(matched)) + "".join(f" **stray {f['kind']}**" for f in strays)
+            timing, coverage = report["timing"], report["coverage"]
+            print(
+                f"| {name} | {seed} | {report['exit_code']} | {what or 'none'} | {coverage['all_goals_step']} |"
+                f" {coverage['goals_reached']} of {coverage['goals_total']} |"
+                f" {report['positions']['discovered']} | {timing['wall_s']:.1f} |"
+                f" {timing['physics_s']:.1f} / {timing['cache_s']:.1f} |",
+                flush=True,
+            )
+
+
+def _matches(bug: dict[str, Any], finding: dict[str, Any]) -> bool:
+    """Whether a finding is the planted bug: its kind, at its place (truth.yaml is in the level's own axes)."""
+    if finding["kind"] not in (bug["kind"], *bug.get("also", ())):
+        return False
+    away = np.linalg.norm(np.array(finding["source_position"]) - bug["position"])
+    low, high = np.array(bug["bounds"])
+    inside = (np.array(finding["source_position"]) >= low) & (np.array(finding["source_position"]) <= high)
+    return bool(away <= bug["radius_m"] or inside.all())
+
+
+def real() -> None:
+    """The real levels: the open ones are left at their open edges, the sealed one is not left."""
+    print("| level | seed | exit | fell | other gating | goals | positions | footings near the reference's |")
+    print("|---|---|---|---|---|---|---|---|")
+    for name in (*OPEN_LEVELS, *SEALED_LEVELS):
+        level = ROOT / "maps/real" / name / "level.yaml"
+        for seed in range(5):
+            report = run(level, seed)
+            fell = [f for f in report["findings"] if f["kind"] == "fell_out_of_world"]
+            others = [f["kind"] for f in report["findings"] if f["gating"] and f not in fell]
+            coverage = report["coverage"]
+            print(
+                f"| {name} | {seed} | {report['exit_code']} | {len(fell)} | {', '.join(others) or '-'} |"
+                f" {coverage['goals_reached']} of {coverage['goals_total']} |"
+                f" {report['positions']['discovered']} | {_near_reference(name, fell)} |",
+                flush=True,
+            )
+
+
+def _near_reference(name: str, fell: list[dict[str, Any]]) -> str:
+    """How many of our footings lie near one of the reference character's last footings."""
+    file = ROOT.parent / "shared/levels" / name / "jolt_reach.jump.json"
+    if not fell or not file.exists():
+        return "-"
+    theirs = np.array(json.loads(file.read_text())["exit_footings"])
+    ours = np.array([f["source_position"] for f in fell])
+    near = np.linalg.norm(ours[:, None] - theirs[None], axis=2).min(axis=1) <= FOOTING_M
+    return f"{near.sum()} of {len(ours)}"
+
+
+def threads() -> None:
+    """Same seed, 1 thread and 2 threads: the same report outside `timing`."""
+    for name in ("maps/small/level.yaml", "maps/small/level-fixed.yaml"):
+        one, two = (run(ROOT / name, 0, "--threads", str(n)) for n in (1, 2))
+        same = {k: v for k, v in one.items() if k != "timing"} == {
+            k: v for k, v in two.items() if k != "timing"
+        }
+        print(f"{name}: 1 and 2 threads give {'the same' if same else 'DIFFERENT'} reports")
+        if not same:
+            raise SystemExit(1)
+
+
+PARTS = {"small": small, "real": real, "threads": threads}
+
+
+def main() -> None:
+    """Run the named parts."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("part", choices=[*PARTS, "all"])
+    part = parser.parse_args().part
+    print(f"{os.cpu_count()} cores, {platform.machine()}, Python {platform.python_version()}\n")
+    for name in PARTS if part == "all" else (part,):
+        print(f"\n## {name}\n")
+        PARTS[name]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+"""`python -m reachtest`."""
+
+from reachtest.cli import main
+
+main()
