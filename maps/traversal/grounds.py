@@ -123,7 +123,7 @@ def _beams(course: Course) -> None:
     perch = course.add("perch", "platform", Rect(-34, -33, -30, -29), 0.0, 4.5)
     course.part("perch", "walk", "second beam", middle(perch), [perch.footprint], [4.5])
     last = course.chain("nest pillars", perch, "-x", -31.0, 4, 2.5, 0.8, "perch")
-    nest = course.add("nest", "platform", Rect(-66.5, -34, -60.5, -28), 0.0, last.top + 0.4)
+    nest = course.add("nest", "platform", Rect(-64.5, -34, -58.5, -28), 0.0, last.top + 0.4)
     course.link("jump", last, nest, round(last.low[0] - nest.high[0], 3))
     course.part("nest", "jump", "nest pillars", middle(nest), [nest.footprint], [nest.top])
 

@@ -55,9 +55,9 @@ def _north(course: Course, pillar: Piece) -> Piece:
     course.part(
         "north tower stairs",
         "walk",
-        "north tower",
+        "north mesa",
         (0, 42, base + 12),
-        [north.footprint],
+        [_square(0, 42, 12)],
         [base + 1, base + 12],
     )
     return landing
