@@ -82,5 +82,5 @@ def floors(pieces: Sequence[Piece]) -> dict[float, Floor]:
             if height in found:
                 found[height].ground.append(strip)
     for height, floor in found.items():
-        floor.blocked += [rect for piece in pieces if (rect := _blocked(piece, height))]
+        floor.blocked += [hole for piece in pieces if (hole := _blocked(piece, height))]
     return dict(sorted(found.items()))

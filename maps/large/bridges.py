@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from kit.pieces import Piece, Rect, Span, box, slope
 from roofs import PARAPET_M, THICK_M, Roof, side_span
@@ -96,7 +97,7 @@ def viaduct(streets: Streets) -> Iterator[Piece]:
     name, top = "viaduct", VIADUCT_TOP_M
     count = round(road.width / PIER_PITCH_M)
     cuts = [round(road.x0 + road.width * k / count) for k in range(count + 1)]
-    for number, (a, b) in enumerate(zip(cuts, cuts[1:], strict=False)):
+    for number, (a, b) in enumerate(pairwise(cuts)):
         part = f"{name} {number + 1}"
         yield box(part, "platform", Rect(a, road.y0, b, road.y1), top - DECK_M, top)
         yield from _rails(part, Rect(a, road.y0, b, road.y1), top - DECK_M, top + PARAPET_M)

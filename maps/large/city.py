@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from blocks import build
 from border import OUTER_M, Escape, escapes, gaps, walls
@@ -54,7 +55,7 @@ def make_city(seed: int) -> City:
 def _ground(streets: Streets) -> Iterator[Piece]:
     """One slab for every block, to the middle of the streets round it and under the walls."""
     xs, ys = (
-        [-OUTER_M, *((a[1] + b[0]) / 2 for a, b in zip(spans, spans[1:], strict=False)), OUTER_M]
+        [-OUTER_M, *((a[1] + b[0]) / 2 for a, b in pairwise(spans)), OUTER_M]
         for spans in (streets.columns, streets.rows)
     )
     for block in streets.blocks:

@@ -12,8 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # for the kit
 
 import numpy as np
 from border import BEYOND_M, KILL_Z_M, OUTER_M
@@ -23,6 +22,7 @@ from kit.mesh import Mesh, glb, nodes
 from kit.navmesh import components, kept, navmesh
 from streets import AVENUE_M
 
+HERE = Path(__file__).resolve().parent
 SEED = 7
 GENERATOR = "maps/large/make.py"
 ABOUT = "A walled city of 1.5 km x 1.5 km with six planted escapes, which truth.yaml describes."

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from kit.pieces import SLOPE_RUN, Piece, Rect, Span, box, slope
 
@@ -135,7 +136,7 @@ def _flight(roof: Roof, flight: Flight) -> Iterator[Piece]:
     outer = FLIGHT_M + THICK_M
     far = flight.end + flight.up * THICK_M
     cuts = _guard_cuts(flight, far)
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         floor = min(abs(b - flight.foot) / SLOPE_RUN, roof.top)
         rect = strip(roof.rect, flight.side, (min(a, b), max(a, b)), -FLIGHT_M, outer)
         yield box(roof.name, "block", rect, 0.0, math.ceil(floor * 4) / 4 + PARAPET_M)

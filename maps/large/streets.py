@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from kit.dice import Dice
 from kit.pieces import Rect, Span
@@ -45,22 +46,20 @@ class Streets:
     @property
     def crossings(self) -> list[tuple[int, int, float, float]]:
         """Column, row and middle (x, y) of every crossing: north-east of the block with that column and row."""
-        xs = [(a[1] + b[0]) / 2 for a, b in zip(self.columns, self.columns[1:], strict=False)]
-        ys = [(a[1] + b[0]) / 2 for a, b in zip(self.rows, self.rows[1:], strict=False)]
+        xs = [(a[1] + b[0]) / 2 for a, b in pairwise(self.columns)]
+        ys = [(a[1] + b[0]) / 2 for a, b in pairwise(self.rows)]
         return [(i, j, x, y) for j, y in enumerate(ys) for i, x in enumerate(xs)]
 
     @property
     def avenue(self) -> Span:
         """The extent in y of the avenue."""
-        return next(
-            (a[1], b[0]) for a, b in zip(self.rows, self.rows[1:], strict=False) if b[0] - a[1] == AVENUE_M
-        )
+        return next((a[1], b[0]) for a, b in pairwise(self.rows) if b[0] - a[1] == AVENUE_M)
 
 
 def _spans(dice: Dice, avenue: bool) -> tuple[Span, ...]:
     """Extents of blocks from one wall to the other; with an avenue as near to the middle as it comes."""
     low, high = -HALF_M + RING_M, HALF_M - RING_M
-    spans = []
+    spans: list[Span] = []
     while True:
         end = low + dice.pick(BLOCK_SIZES_M)
         width = dice.pick(STREET_WIDTHS_M)

@@ -78,10 +78,12 @@ def _bug(name: str, side: str, rect: Rect, top: float) -> Bug:
         "N": (x, rect.y1, top),
         "S": (x, rect.y0, top),
     }[side]
-    reach, low, high = HALF_M + BEYOND_M, [-HALF_M, -HALF_M, KILL_Z_M - 5], [HALF_M, HALF_M, top + 2]
-    axis = 0 if side in "EW" else 1
-    (high if side in "EN" else low)[axis] = reach if side in "EN" else -reach
-    (low if side in "EN" else high)[axis] = at[axis] if side in "EN" else at[axis]
+    low, high = [-HALF_M, -HALF_M, KILL_Z_M - 5], [HALF_M, HALF_M, top + 2]
+    axis, reach = (0 if side in "EW" else 1), HALF_M + BEYOND_M
+    if side in "EN":
+        low[axis], high[axis] = at[axis], reach
+    else:
+        low[axis], high[axis] = -reach, at[axis]
     text = (
         f"The outermost net of the {name} is missing: from {top:g} m up one jumps over the wall, which is "
         f"{WALL_TOP_M:g} m high, or onto it, and falls off the map."

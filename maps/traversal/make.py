@@ -10,8 +10,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # for the kit
 
 import grounds
 import lookouts
@@ -22,6 +21,7 @@ from kit.mesh import Mesh, glb, nodes
 from kit.navmesh import navmesh
 from lookouts import BEYOND_M, HALF_M, KILL_Z_M, Lookout
 
+HERE = Path(__file__).resolve().parent
 GENERATOR = "maps/traversal/make.py"
 ABOUT = "A climbing map with four lookouts that miss a net, which truth.yaml describes."
 ABOUT_FIXED = "The traversal map with all its nets."

@@ -1,8 +1,8 @@
 """The towers in the order in which one climbs them, from the ground to 50 m.
 
 East tower (walk) - north-east tower (beam) - north mesa (jumps) and the tower on it (stairs) - north-west tower
-(jumps; its shaft is a drop) - west mesa (beam) and the tower on it (ramps) - keep (jumps, stairs). All stand so far inside that nobody who jumps off one
-of them flies over the outer walls.
+(jumps; its shaft is a drop) - west mesa (beam) and the tower on it (ramps) - keep (jumps, stairs). All stand so
+far inside that nobody who jumps off one of them flies over the outer walls.
 """
 
 from __future__ import annotations
@@ -95,7 +95,9 @@ def _west(course: Course, top: float) -> Piece:
     course.part("west mesa", "walk", "high beam", (-44.5, 4.5, top), [body], [top])
     course.add("west tower top", "platform", core, top, top + 9)
     landing = course.spiral("west tower ramps", "ramp", core, top, 3.0, "WSE")
-    course.part("west tower ramps", "walk", "west mesa", (-43, 0, top + 9), [_square(-43, 0, 12)], [top + 1, top + 9])
+    course.part(
+        "west tower ramps", "walk", "west mesa", (-43, 0, top + 9), [_square(-43, 0, 12)], [top + 1, top + 9]
+    )
     return landing
 
 
