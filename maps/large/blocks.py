@@ -8,17 +8,15 @@ exceptions, behind parapets.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from itertools import accumulate
 
 from kit.dice import Dice
-from kit.pieces import Piece, Rect, Span, box, slope
-from roofs import Flight, Roof, along, fits, side_span
+from kit.pieces import Rect, Span, slope
+from lot import Lot, around
+from roofs import side_span
 from streets import Block
 
-ROOF_HEIGHTS_M = (4.5, 4.5, 6.0)
 LOW_FENCE_M, HIGH_FENCE_M = 1.1, 2.75
-FENCE_THICK_M = 0.25
 TERRACE_M = 1.0
 PASSAGE_M = 5.0
 ARCH_M = 4.0  # clear height of a passage under a house

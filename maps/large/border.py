@@ -192,7 +192,7 @@ def _open_roof(edge: str, number: int) -> Escape:
         "The parapet of the pump house is missing towards the south wall, whose top is as high and only "
         "2.5 m away: one jumps across, and off the map."
     )
-    bug = _bug(edge, number, "roof without parapet at the south wall", (m, y, WALL_TOP_M), 0.0, text)
+    bug = _bug(edge, number, "roof without parapet at the south wall", (m, y, WALL_TOP_M), ALLEY_M, text)
     return Escape(bug, tuple(roof_pieces(roof)), (), mended)
 
 

@@ -18,6 +18,7 @@ VIADUCT_M = 9.0
 VIADUCT_TOP_M = 6.0
 VIADUCT_RUN_M = 60.0  # of the ramps at its ends
 PIER_PITCH_M = 30.0
+RAMP_RAIL_M = 2.0  # who jumps down a ramp of 1 in 10 rises above it by 4.8^2 / (4 * 4.9) = 1.18 m
 
 
 def connect(roofs: Sequence[Roof]) -> tuple[list[Roof], list[Piece]]:
@@ -110,7 +111,7 @@ def viaduct(streets: Streets) -> Iterator[Piece]:
         for k in range(4):
             run = VIADUCT_RUN_M / 4
             x0 = rect.x0 + k * run if uphill == "+x" else rect.x1 - (k + 1) * run
-            height = top * (k + 1) / 4 + PARAPET_M
+            height = top * (k + 1) / 4 + RAMP_RAIL_M
             yield from _rails(f"{name} {part}", replace(rect, x0=x0, x1=x0 + run), 0.0, height)
 
 

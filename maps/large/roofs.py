@@ -1,11 +1,10 @@
 """Buildings whose roof one can get onto: an outside flight of stairs or a ramp, and parapets all round.
 
-Parapets and the guards along flights are 1.5 m high: more than a jump (apex 0.90 m) and a step (0.45 m) on top.
+Parapets are 1.5 m high, and so are the guards along flights above the roof: more than a jump (apex 0.90 m) and a step (0.45 m) on top.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -19,7 +18,6 @@ LANDING_M = 2.5
 CORNER_M = (
     3.0  # no flight comes nearer to the corner of its building: leaves room for the one round the corner
 )
-GUARD_STEP_M = 4.0  # a guard along a flight gets higher in pieces of about this length
 SIDES = "SENW"  # anticlockwise
 
 
@@ -133,22 +131,9 @@ def _flight(roof: Roof, flight: Flight) -> Iterator[Piece]:
         roof.name, flight.kind, strip(roof.rect, flight.side, span, 0.0, FLIGHT_M), 0.0, roof.top, uphill
     )
     yield box(roof.name, "platform", strip(roof.rect, flight.side, flight.door, 0.0, FLIGHT_M), 0.0, roof.top)
-    outer = FLIGHT_M + THICK_M
-    far = flight.end + flight.up * THICK_M
-    cuts = _guard_cuts(flight, far)
-    for a, b in pairwise(cuts):
-        floor = min(abs(b - flight.foot) / SLOPE_RUN, roof.top)
-        rect = strip(roof.rect, flight.side, (min(a, b), max(a, b)), -FLIGHT_M, outer)
-        yield box(roof.name, "block", rect, 0.0, math.ceil(floor * 4) / 4 + PARAPET_M)
-    end = (min(far, flight.end), max(far, flight.end))
-    yield box(
-        roof.name, "block", strip(roof.rect, flight.side, end, 0.0, FLIGHT_M), 0.0, roof.top + PARAPET_M
-    )
-
-
-def _guard_cuts(flight: Flight, far: float) -> list[float]:
-    """Where the guard along a flight is cut, from its foot to the far end of the landing."""
-    run = SLOPE_RUN * flight.rise
-    count = round(run / GUARD_STEP_M)
-    steps = [flight.foot + flight.up * round(run * k / count * 4) / 4 for k in range(count)]
-    return [*steps, far]
+    # As high all along as at the top: who jumps down the flight must not get over it further down either.
+    top, far = roof.top + PARAPET_M, flight.end + flight.up * THICK_M
+    whole, end = ((min(a, far), max(a, far)) for a in (flight.foot, flight.end))
+    outer = strip(roof.rect, flight.side, whole, -FLIGHT_M, FLIGHT_M + THICK_M)
+    yield box(roof.name, "block", outer, 0.0, top)
+    yield box(roof.name, "block", strip(roof.rect, flight.side, end, 0.0, FLIGHT_M), 0.0, top)

@@ -10,13 +10,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import lanes
 from kit.files import place
 from kit.pieces import STEP_TREAD_M, Corner, Piece, Rect, box, slope
 
 DECK_M = 0.5  # thickness of what hangs in the air
 NET_M, NET_THICK_M = 2.5, 0.25
-SIDES = "ENWS"  # in the order in which a spiral climbs them, anticlockwise
-WAYS = {"E": "+y", "N": "-x", "W": "-y", "S": "+x"}
 
 
 @dataclass(frozen=True)
@@ -74,10 +73,14 @@ class Course:
         high = (max(r.x1 for r in rects), max(r.y1 for r in rects), round(max(heights) + 0.3, 3))
         self.parts.append(Part(name, skill, after, at, low, high))
 
-    def link(self, skill: str, start: Piece, end: Piece, gap: float) -> None:
-        """Note a jump or drop between two platforms."""
+    def jump(self, start: Piece, end: Piece, gap: float) -> None:
+        """Note a jump between two platforms across `gap` [m]."""
         rise = round(end.top - start.top, 3)
-        self.links.append(Link(skill, middle(start), middle(end), gap, rise))
+        self.links.append(Link("jump", middle(start), middle(end), gap, rise))
+
+    def drop(self, start: Corner, end: Corner) -> None:
+        """Note a drop from a place at a rim to one below the open air next to it."""
+        self.links.append(Link("drop", start, end, 0.0, round(end[2] - start[2], 3)))
 
     # --- structures
 
@@ -97,12 +100,14 @@ class Course:
         for side in sides:
             foot = STEP_TREAD_M if kind == "stairs" else 0.0
             if foot and height > base:
-                self.add(name, "platform", _pad(core, side, width, foot), height - DECK_M, height)
-            self.ramp(name, kind, _lane(core, side, width, foot), height, height + rise, WAYS[side])
+                self.add(name, "platform", lanes.pad(core, side, width, foot), height - DECK_M, height)
+            self.ramp(
+                name, kind, lanes.lane(core, side, width, foot), height, height + rise, lanes.WAYS[side]
+            )
             height = round(height + rise, 3)
-            self.add(name, "platform", _corner(core, side, width), height - DECK_M, height)
-        follow = SIDES[(SIDES.index(sides[-1]) + 1) % 4]
-        last, corner = _start(core, follow, width), _corner(core, sides[-1], width)
+            self.add(name, "platform", lanes.corner(core, side, width), height - DECK_M, height)
+        follow = lanes.after(sides[-1])
+        last, corner = lanes.start(core, follow, width), lanes.corner(core, sides[-1], width)
         both = Rect(
             min(last.x0, corner.x0), min(last.y0, corner.y0), max(last.x1, corner.x1), max(last.y1, corner.y1)
         )
@@ -127,9 +132,9 @@ class Course:
         """
         previous, pillars = start, []
         for _ in range(count):
-            rect = _beside(previous.footprint, way, across, gap, size)
+            rect = lanes.beside(previous.footprint, way, across, gap, size)
             pillar = self.add(name, "platform", rect, 0.0, previous.top + rise)
-            self.link("jump", previous, pillar, gap)
+            self.jump(previous, pillar, gap)
             pillars.append(pillar)
             previous = pillar
         rects = [pillar.footprint for pillar in pillars]

@@ -63,7 +63,7 @@ def _field(course: Course) -> None:
             )
             if len(pillars) > 1:
                 gap = FIELD_GAPS_M[between] if number else ROW_GAP_M
-                course.link("jump", pillars[-2], pillars[-1], gap)
+                course.jump(pillars[-2], pillars[-1], gap)
     ramp = Rect(-20, -48, -12, -45)
     course.part(
         f"{name} ramp", "walk", "ground", middle(pillars[0]), [ramp, pillars[0].footprint], [1.0, 4.0]
@@ -76,7 +76,7 @@ def _vault(course: Course) -> None:
     """A block with a room that one can only drop into, through two holes in its roof, and only drop out of."""
     rect, name = Rect(30, -60, 54, -44), "vault"
     course.ramp(f"{name} ramp", "ramp", Rect(18, -54, 30, -50), 0.0, 6.0, "+x")
-    floor = course.add(f"{name} floor", "platform", rect, 0.0, 2.0)
+    course.add(f"{name} floor", "platform", rect, 0.0, 2.0)
     inner = rect.inset(0.5)
     for wall in (
         Rect(rect.x0, rect.y0, rect.x1, inner.y0),
@@ -96,11 +96,11 @@ def _vault(course: Course) -> None:
         Rect(holes[0].x1, holes[0].y0, holes[1].x0, holes[0].y1),
         Rect(holes[1].x1, holes[0].y0, rect.x1, holes[0].y1),
     ):
-        last = course.add(f"{name} roof", "platform", roof, 5.5, 6.0)
+        course.add(f"{name} roof", "platform", roof, 5.5, 6.0)
     walked = [rect, Rect(18, -54, 30, -50)]
     course.part(f"{name} roof", "walk", "ground", (32, -46, 6.0), walked, [1.0, 6.0])
     course.part(f"{name} room", "drop", f"{name} roof", (36.5, -52, 2.0), [rect], [2.0])
-    course.link("drop", last, floor, 0.0)
+    course.drop((34.0, -52.0, 6.0), (36.5, -52.0, 2.0))
 
 
 def _terraces(course: Course) -> None:
@@ -124,7 +124,7 @@ def _beams(course: Course) -> None:
     course.part("perch", "walk", "second beam", middle(perch), [perch.footprint], [4.5])
     last = course.chain("nest pillars", perch, "-x", -31.0, 4, 2.5, 0.8, "perch")
     nest = course.add("nest", "platform", Rect(-64.5, -34, -58.5, -28), 0.0, last.top + 0.4)
-    course.link("jump", last, nest, round(last.low[0] - nest.high[0], 3))
+    course.jump(last, nest, round(last.low[0] - nest.high[0], 3))
     course.part("nest", "jump", "nest pillars", middle(nest), [nest.footprint], [nest.top])
 
 

@@ -7,6 +7,14 @@ from __future__ import annotations
 
 from kit.pieces import Rect
 
+SIDES = "ENWS"  # in the order in which a spiral climbs them, anticlockwise
+WAYS = {"E": "+y", "N": "-x", "W": "-y", "S": "+x"}
+
+
+def after(side: str) -> str:
+    """The side that a spiral climbs after `side`."""
+    return SIDES[(SIDES.index(side) + 1) % 4]
+
 
 def lane(core: Rect, side: str, width: float, foot: float) -> Rect:
     """The strip outside of a side of `core`, without `foot` at its lower end."""
@@ -42,12 +50,12 @@ def corner(core: Rect, side: str, width: float) -> Rect:
 
 def start(core: Rect, side: str, width: float) -> Rect:
     """The first square of the lane along a side."""
-    lane = lane(core, side, width, 0.0)
+    whole = lane(core, side, width, 0.0)
     return {
-        "E": Rect(lane.x0, lane.y0, lane.x1, lane.y0 + width),
-        "N": Rect(lane.x1 - width, lane.y0, lane.x1, lane.y1),
-        "W": Rect(lane.x0, lane.y1 - width, lane.x1, lane.y1),
-        "S": Rect(lane.x0, lane.y0, lane.x0 + width, lane.y1),
+        "E": Rect(whole.x0, whole.y0, whole.x1, whole.y0 + width),
+        "N": Rect(whole.x1 - width, whole.y0, whole.x1, whole.y1),
+        "W": Rect(whole.x0, whole.y1 - width, whole.x1, whole.y1),
+        "S": Rect(whole.x0, whole.y0, whole.x0 + width, whole.y1),
     }[side]
 
 

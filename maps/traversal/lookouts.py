@@ -103,7 +103,7 @@ def _south(course: Course) -> Lookout:
     last = course.chain("south pillars", start, "-y", x, 2, 3.0, 0.0, "field of pillars")
     rect = Rect(x - 4, last.low[1] - 3 - SIZE_M, x + 4, last.low[1] - 3)
     lookout, platform = _lookout(course, "S", rect, last.top, "jump", "south pillars")
-    course.link("jump", last, platform, 3.0)
+    course.jump(last, platform, 3.0)
     return lookout
 
 
@@ -118,5 +118,5 @@ def _north(course: Course) -> Lookout:
     last = course.chain("north pillars", start, "+y", 0.0, 3, 3.5, 0.0, "north mesa")
     rect = Rect(-4, last.high[1] + 3.5, 4, last.high[1] + 3.5 + SIZE_M)
     lookout, platform = _lookout(course, "N", rect, last.top, "jump", "north pillars")
-    course.link("jump", last, platform, 3.5)
+    course.jump(last, platform, 3.5)
     return lookout

@@ -45,7 +45,7 @@ def _north_east(course: Course) -> Piece:
 def _north(course: Course, pillar: Piece) -> Piece:
     """Returns the landing at the upper end of the stairs."""
     north = course.add("north mesa", "platform", Rect(-24, 36, 24, 62), 0.0, pillar.top + 0.8)
-    course.link("jump", pillar, north, 2.0)
+    course.jump(pillar, north, 2.0)
     base, core = north.top, _square(0, 42, 6)
     course.part("north mesa", "jump", "north-east pillars", (20, 40, base), [north.footprint], [base])
     for rect in (Rect(12, 46, 12.5, 62), Rect(-12.5, 50, -12, 58), Rect(-18, 50, -12.5, 50.5)):
@@ -81,9 +81,9 @@ def _north_west(course: Course, landing: Piece) -> float:
     ):
         course.add(name, "platform", Rect(rect.x0, y0, inner.x0, y1), base, top)
     course.part(name, "jump", "north-west needles", middle(east), [rect], [top])
-    course.link("jump", last, east, 3.5)
+    course.jump(last, east, 3.5)
     course.part("north-west shaft", "drop", name, (*inner.middle, SHAFT_FLOOR_M), [rect], [SHAFT_FLOOR_M])
-    course.link("drop", east, floor, 0.0)
+    course.drop(middle(east), middle(floor))
     return top
 
 
@@ -105,7 +105,7 @@ def _keep(course: Course, landing: Piece) -> None:
     last = course.chain("high pillars", landing, "+x", 4.5, 6, 2.25, 0.8, "west tower ramps", size=2.5)
     keep = course.add("keep", "platform", Rect(-6.25, -16, 12, 8), 0.0, last.top + 0.8)
     course.part("keep", "jump", "high pillars", (-5, 4.5, keep.top), [keep.footprint], [keep.top])
-    course.link("jump", last, keep, 2.25)
+    course.jump(last, keep, 2.25)
     crown = Rect(-1, -3, 5, 3)
     course.add("keep crown", "platform", crown, keep.top, keep.top + 2)
     course.ramp("keep crown", "stairs", Rect(-4.5, -1.5, -1, 1.5), keep.top, keep.top + 2, "+x")

@@ -13,6 +13,7 @@ from reachtest.records import Bools, Floats, Ints
 
 _REBUILD_GROWTH = 1.2  # the snapshot is rebuilt after this growth: amortised O(log P) a point
 _SURELY = 1.0 - 1e-9  # the snapshot only answers where rounding cannot change the answer
+_WIDER = 1.0 + 1e-6  # the box asked in the tree must not lose a rival at exactly K to rounding
 
 
 class PositionCache:
@@ -55,7 +56,8 @@ class PositionCache:
         return np.asarray(np.isfinite(near), dtype=np.bool_)
 
     def _offer(self, position: Floats) -> bool:
-        low, high = position - self.threshold_m, position + self.threshold_m
+        reach = self.threshold_m * _WIDER
+        low, high = position - reach, position + reach
         rivals = list(self._tree.intersection((*low, *high)))
         if rivals:
             away = self._positions[rivals] - position

@@ -74,7 +74,7 @@ def make_exploration(**changes: Any) -> Exploration:
             agent=np.zeros(4, dtype=np.int16),
             start=np.zeros(4, dtype=np.int16),
             step=np.arange(4, dtype=np.int16),
-            expected=np.array([True, True, True, False]),
+            off_mesh_m=np.array([0.0, 0.1, 0.0, np.inf]),
             exit_point=np.full((4, 3), np.nan),
         ),
         visits=np.array([9, 4, 2, 1]),

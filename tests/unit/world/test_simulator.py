@@ -1,0 +1,114 @@
+"""The simulator keeps its promises: a restored state is the state, threads change nothing, ends are told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from reachtest.records import EndReason, ExploreSettings
+from reachtest.world import MujocoSimulator
+from tests.levels import FLOOR, box, level, slope
+
+COURSE = level(
+    FLOOR,
+    box([3, -4, 0], [5, 4, 0.4]),
+    box([-6, 2, 0], [-2, 6, 1.0]),
+    box([8, -20, 0], [9, 20, 4]),
+    slope(30, 6.0, x=-20),
+    explore=ExploreSettings(agents=8),
+    kill_z_m=-5,
+)
+
+
+def actions(rng: np.random.Generator, steps: int, agents: int) -> np.ndarray:
+    return np.stack([rng.integers(0, 9, (steps, agents)), rng.random((steps, agents)) < 0.3], axis=2).astype(np.int8)
+
+
+def starts(agents: int) -> np.ndarray:
+    return np.array([[0.3 * i - 1, 0.2 * i, 0.02] for i in range(agents)])
+
+
+def test_a_restored_state_goes_on_bit_for_bit_in_any_agent() -> None:
+    stream = actions(np.random.default_rng(3), 60, 8)
+    whole = MujocoSimulator(COURSE, 8, 1)
+    whole.restore(np.arange(8), whole.place(starts(8)))
+    saved = []
+    for step in stream:
+        saved.append(whole.save())
+        whole.step(step)
+    fresh = MujocoSimulator(COURSE, 8, 1)
+    fresh.restore(np.arange(8), fresh.place(starts(8)))
+    for step in stream[:7]:  # a past of its own that must not matter
+        fresh.step(step)
+    for cut in (1, 13, 30, 59):
+        order = np.random.default_rng(cut).permutation(8)
+        fresh.restore(np.arange(8), saved[cut][order])
+        for step in stream[cut:]:
+            fresh.step(step[order])
+        np.testing.assert_array_equal(fresh.save(), whole.save()[order])
+
+
+def test_threads_change_nothing() -> None:
+    stream = actions(np.random.default_rng(4), 60, 8)
+    ends = []
+    for threads in (1, 2):
+        simulator = MujocoSimulator(COURSE, 8, threads)
+        simulator.restore(np.arange(8), simulator.place(starts(8)))
+        for step in stream:
+            simulator.step(step)
+        ends.append(simulator.save())
+    np.testing.assert_array_equal(ends[0], ends[1])
+
+
+def test_agents_cannot_touch_each_other() -> None:
+    simulator = MujocoSimulator(COURSE, 4, 1)
+    simulator.restore(np.arange(4), simulator.place(np.tile([0.0, 0.0, 0.02], (4, 1))))
+    for _ in range(10):
+        result = simulator.step(np.array([[1, 0]] * 4, dtype=np.int8))
+    np.testing.assert_array_equal(result.positions, np.tile(result.positions[0], (4, 1)))
+
+
+def test_divergence_is_told_and_the_others_go_on() -> None:
+    simulator = MujocoSimulator(COURSE, 3, 1)
+    states = simulator.place(starts(3))
+    states[1, 3:6] = np.nan
+    simulator.restore(np.arange(3), states)
+    result = simulator.step(np.zeros((3, 2), dtype=np.int8))
+    assert result.ended.tolist() == [EndReason.ALIVE, EndReason.DIVERGED, EndReason.ALIVE]
+    simulator.restore(np.array([1]), simulator.place(starts(1)))
+    assert simulator.step(np.zeros((3, 2), dtype=np.int8)).ended.tolist() == [EndReason.ALIVE] * 3
+
+
+def test_falling_out_is_told() -> None:
+    simulator = MujocoSimulator(COURSE, 2, 1)
+    simulator.restore(np.arange(2), simulator.place(np.array([[0, 0, 0.02], [70, 0, 0.02]])))
+    ended = [simulator.step(np.zeros((2, 2), dtype=np.int8)).ended.copy() for _ in range(12)]
+    assert all(e[0] == EndReason.ALIVE for e in ended)
+    assert [int(e[1]) for e in ended].count(EndReason.FELL) > 0
+
+
+def test_leaving_the_bounds_is_a_fall() -> None:
+    simulator = MujocoSimulator(COURSE, 1, 1)
+    simulator.restore(np.arange(1), simulator.place(np.array([[0.0, 2000.0, 0.0]])))
+    assert simulator.step(np.zeros((1, 2), dtype=np.int8)).ended[0] == EndReason.FELL
+
+
+def test_overlaps_tells_free_from_blocked_places() -> None:
+    simulator = MujocoSimulator(COURSE, 2, 1)
+    depth = simulator.overlaps(np.array([[0, 0, 0.001], [8.1, 0, 0.001], [-4, 4, 0.5]]))
+    assert depth[0] == pytest.approx(0.0, abs=1e-3)
+    assert (depth[1:] > 0.1).all()
+
+
+def test_precision_does_not_depend_on_the_distance_from_the_origin() -> None:
+    """Mesh vertices are float32 in the simulator; geoms are placed in float64."""
+    far = np.array([5_000.0, -5_000.0, 100.0])
+    ends = []
+    for offset in (np.zeros(3), far):
+        simulator = MujocoSimulator(level(COURSE.collision + offset, kill_z_m=-500), 4, 1)
+        simulator._bounds = (np.full(3, -1e5), np.full(3, 1e5))
+        simulator.restore(np.arange(4), simulator.place(starts(4) + offset))
+        for step in actions(np.random.default_rng(5), 12, 4):
+            simulator.step(step)
+        ends.append(simulator.save()[:, :3] - offset)
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-3)
