@@ -10,6 +10,7 @@ import numpy as np
 from reachtest.records import Bools, Floats, Ints
 
 _MAX_COLUMNS = 4_000_000  # keeps the dense column table of a 5 km level below 32 MB
+_CHILDREN = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])  # [8, 3]
 _PAIRS_AT_ONCE = 1 << 20  # bounds the memory of one vectorised pass to about 100 MB
 
 
@@ -169,31 +170,39 @@ class SurfaceIndex:
         return self._cell * float(np.sqrt(3)) / 2
 
     def _rasterise(self) -> tuple[Ints, Ints, Floats]:
-        """Every (cell, triangle) pair closer than the limit, with the distance from the cell's centre."""
-        low = self._triangles.min(axis=1) - self.limit_m
-        high = self._triangles.max(axis=1) + self.limit_m
-        first = ((low - self._low) // self._cell).astype(np.int64)
-        span = ((high - self._low) // self._cell).astype(np.int64) - first + 1
-        total = span.prod(axis=1)
-        cuts = np.searchsorted(np.cumsum(total), np.arange(0, total.sum() + _PAIRS_AT_ONCE, _PAIRS_AT_ONCE))
+        """Every (cell, triangle) pair closer than the limit, with the distance from the cell's centre.
+
+        From coarse cells to fine ones, keeping what the triangle comes near: the work grows with the area of a
+        triangle, not with the box around it.
+        """
+        low = (self._triangles.min(axis=1) - self.limit_m - self._low) / self._cell
+        high = (self._triangles.max(axis=1) + self.limit_m - self._low) / self._cell
+        level = max(0, int(np.ceil(np.log2(max(1.0, (high - low).max())))))
+        first = np.floor(low / 2**level).astype(np.int64)
+        span = np.floor(high / 2**level).astype(np.int64) - first + 1
+        row, place = _expand(span.prod(axis=1))
+        cell = first[row] + np.stack(
+            [place // (span[row, 1] * span[row, 2]), place // span[row, 2] % span[row, 1], place % span[row, 2]],
+            axis=1,
+        )
+        cell, row, near = self._keep_near(cell, row, 2.0**level)
+        for halving in range(level - 1, -1, -1):
+            cell = (2 * cell[:, None, :] + _CHILDREN).reshape(-1, 3)
+            cell, row, near = self._keep_near(cell, np.repeat(row, 8), 2.0**halving)
+        return _pack(cell), row, near
+
+    def _keep_near(self, cell: Ints, row: Ints, size: float) -> tuple[Ints, Ints, Floats]:
+        """The pairs of cells (of `size` times the finest) and triangles that come nearer than the limit."""
+        reach = self.limit_m + size * self._half_diagonal
         pieces = []
-        for begin, end in zip(cuts, np.append(cuts[1:], len(total)), strict=True):
-            row, place = _expand(total[begin:end])
-            row = row + begin
-            cell = np.stack(
-                [
-                    first[row, 0] + place // (span[row, 1] * span[row, 2]),
-                    first[row, 1] + place // span[row, 2] % span[row, 1],
-                    first[row, 2] + place % span[row, 2],
-                ],
-                axis=1,
-            )
-            centre = self._low + (cell + 0.5) * self._cell
-            near = point_triangle_distance(centre, self._triangles[row])
-            keep = near <= self.limit_m + self._half_diagonal
-            pieces.append((_pack(cell[keep]), row[keep], near[keep]))
-        keys, members, nears = zip(*pieces, strict=True)
-        return np.concatenate(keys), np.concatenate(members), np.concatenate(nears)
+        for begin in range(0, len(cell), _PAIRS_AT_ONCE):
+            some, tri = cell[begin : begin + _PAIRS_AT_ONCE], row[begin : begin + _PAIRS_AT_ONCE]
+            centre = self._low + (some + 0.5) * (size * self._cell)
+            near = point_triangle_distance(centre, self._triangles[tri])
+            keep = near <= reach
+            pieces.append((some[keep], tri[keep], near[keep]))
+        cells, rows, nears = zip(*pieces, strict=True)
+        return np.concatenate(cells), np.concatenate(rows), np.concatenate(nears)
 
     def within(self, points: Floats, limit_m: float | None = None) -> Bools:
         """Whether each point [n, 3] lies within `limit_m` (default: the index's own limit) of the surface."""
