@@ -81,6 +81,14 @@ def box(name: str, kind: str, rect: Rect, base: float, top: float) -> Piece:
 
 
 def slope(name: str, kind: str, rect: Rect, base: float, top: float, uphill: str) -> Piece:
-    """A ramp or a flight of stairs over `rect` that leads from height `base` to `top` [m]."""
+    """A ramp or a flight of stairs over `rect` that leads from height `base` to `top` [m].
+
+    Raises ValueError for stairs whose run is not what their treads take.
+    """
     high = top - (STEP_RISE_M if kind == "stairs" else 0.0)
+    run = rect.width if uphill[1] == "x" else rect.depth
+    if kind == "stairs" and abs(run - SLOPE_RUN * (high - base)) > 1e-6:
+        raise ValueError(
+            f"{name}: stairs up {high - base:g} m take {SLOPE_RUN * (high - base):g} m, not {run:g} m"
+        )
     return Piece(name, kind, (rect.x0, rect.y0, base), (rect.x1, rect.y1, high), uphill)

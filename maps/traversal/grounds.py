@@ -132,7 +132,7 @@ def _round_tower(course: Course) -> None:
     """A lower tower with stairs all round."""
     rect = Rect(68, -79, 76, -71)
     course.add("south-east tower", "platform", rect, 0.0, 12.0)
-    course.spiral("south-east tower stairs", "stairs", rect, 0.0, 3.0, "NWSE")
+    course.spiral("south-east tower stairs", "stairs", rect, 0.0, 4.0, "NWS")
     course.part("south-east tower", "walk", "ground", (72, -75, 12), [rect.grown(3, 3, 3, 3)], [1.0, 12.0])
 
 

@@ -121,6 +121,4 @@ class FreeSpace:
     def points(self, cells: np.ndarray) -> np.ndarray:
         """Positions [n, 3] [m] of the cells [K, nx, ny] that are true: middle in plan, lower end in height."""
         k, i, j = np.nonzero(cells)
-        return np.column_stack(
-            [self.x0 + (i + 0.5) * CELL_M, self.y0 + (j + 0.5) * CELL_M, k * LAYER_M]
-        )
+        return np.column_stack([self.x0 + (i + 0.5) * CELL_M, self.y0 + (j + 0.5) * CELL_M, k * LAYER_M])

@@ -73,7 +73,9 @@ def _document(built: Built, name: str) -> dict[str, Any]:
 
 def _samples(triangles: np.ndarray, count: int) -> np.ndarray:
     """Places [n, 3] spread over the surface."""
-    mesh = trimesh.Trimesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), process=False)
+    mesh = trimesh.Trimesh(
+        triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), process=False
+    )
     return np.asarray(trimesh.sample.sample_surface(mesh, count, seed=3)[0])
 
 
@@ -82,7 +84,9 @@ def _samples(triangles: np.ndarray, count: int) -> np.ndarray:
 
 def test_text_files_are_what_make_writes(built: Built) -> None:
     for name in ("truth.yaml", "level.yaml", "level-fixed.yaml"):
-        assert (MAP / name).read_bytes() == built.files[name], f"{name} is stale: run python maps/large/make.py"
+        assert (MAP / name).read_bytes() == built.files[name], (
+            f"{name} is stale: run python maps/large/make.py"
+        )
 
 
 def test_another_process_writes_the_same_bytes(built: Built) -> None:
@@ -125,7 +129,9 @@ def test_navmesh_is_one_piece(built: Built) -> None:
 
 def test_navmesh_has_floor_below_and_head_room_above(built: Built, columns: ColumnIndex) -> None:
     places = _samples(built.navmesh, 20_000)
-    floor, _ = columns.highest(places, 0.26, 0.01)  # between two treads a slope is a riser of 0.25 m above them
+    floor, _ = columns.highest(
+        places, 0.26, 0.01
+    )  # between two treads a slope is a riser of 0.25 m above them
     assert np.isfinite(floor).all()
     overhead, _ = columns.highest(places, -0.02, 1.9)
     assert np.isnan(overhead).all()
@@ -166,7 +172,9 @@ def _area(built: Built, west: int, south: int, east: int, north: int) -> tuple[f
 
 
 @pytest.mark.parametrize("corner", [(5, 5), (1, 6), (9, 10)])
-def test_whatever_can_be_got_to_in_the_city_is_near_the_navmesh(built: Built, corner: tuple[int, int]) -> None:
+def test_whatever_can_be_got_to_in_the_city_is_near_the_navmesh(
+    built: Built, corner: tuple[int, int]
+) -> None:
     """Over four blocks: without a limit to how far a jump carries, and with the step height on top of it."""
     west, south = corner
     area = _area(built, west, south, west + 2, south + 2)
@@ -211,7 +219,9 @@ def _gets_out(space: FreeSpace, start: tuple[float, float], jump_m: float) -> bo
 
 def test_the_wall_is_within_a_jump_of_the_roof_without_parapet(built: Built) -> None:
     """The one escape that takes a long jump."""
-    roof = next(piece for piece in built.city.pieces if piece.name == "pump house" and piece.kind == "platform")
+    roof = next(
+        piece for piece in built.city.pieces if piece.name == "pump house" and piece.kind == "platform"
+    )
     wall = min(
         (piece for piece in built.city.pieces if piece.name.startswith("south wall")),
         key=lambda piece: abs(piece.low[0] - roof.low[0]) + abs(piece.high[0] - roof.high[0]),
@@ -224,7 +234,9 @@ def test_walls_are_closed_all_round_in_the_fixed_map(built: Built) -> None:
     """The middle line of the walls, every 0.25 m: all of it under something at least 4.5 m high."""
     line = np.arange(-749.875, 750, 0.25)
     ends = np.full(len(line), 749.5)
-    ring = np.concatenate([np.column_stack(p) for p in ((line, ends), (line, -ends), (ends, line), (-ends, line))])
+    ring = np.concatenate(
+        [np.column_stack(p) for p in ((line, ends), (line, -ends), (ends, line), (-ends, line))]
+    )
     covered = np.zeros(len(ring), dtype=bool)
     for piece in built.fixed:
         if piece.low[2] <= 0 and piece.high[2] >= 4.5:
