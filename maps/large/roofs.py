@@ -1,13 +1,13 @@
 """Buildings whose roof one can get onto: an outside flight of stairs or a ramp, and parapets all round.
 
-Parapets are 1.5 m high, and so are the guards along flights above the roof: more than a jump (apex 0.90 m) and a step (0.45 m) on top.
+Parapets are 1.5 m high, and so are the guards along flights above the roof: more than a jump (apex 0.90 m) and a
+step (0.45 m) on top.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from kit.pieces import SLOPE_RUN, Piece, Rect, Span, box, slope
 

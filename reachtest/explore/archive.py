@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from reachtest.records import Bools, Floats, Ints, Points
 
 
+OWN = ("cell", "hopeless")  # for the exploration alone
+
+
 class Archive:
     """Grows by batches; never changes what it holds."""
 
@@ -28,6 +31,7 @@ class Archive:
             "off_mesh_m": np.empty(1024),
             "exit_point": np.empty((1024, 3)),
             "cell": np.empty(1024, dtype=np.int64),
+            "hopeless": np.empty(1024, dtype=np.bool_),
         }
 
     def __len__(self) -> int:
@@ -64,6 +68,11 @@ class Archive:
         return self._float("off_mesh_m")
 
     @property
+    def hopeless(self) -> Bools:
+        """Points [P] that nothing can come of: in the air with nothing beneath."""
+        return np.asarray(self._columns["hopeless"][: self._count], dtype=np.bool_)
+
+    @property
     def cells(self) -> Ints:
         """Visit cells [P]"""
         return np.asarray(self._columns["cell"][: self._count], dtype=np.int64)
@@ -76,7 +85,7 @@ class Archive:
     def points(self) -> Points:
         """Everything as one frozen record."""
         rows = {
-            name: column[: self._count].copy() for name, column in self._columns.items() if name != "cell"
+            name: column[: self._count].copy() for name, column in self._columns.items() if name not in OWN
         }
         return Points(**rows)  # type: ignore[arg-type]  # one dict of columns of several dtypes
 

@@ -22,6 +22,7 @@ from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.heuristics import mixture
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.explore.visits import VisitCounts
+from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Observer, Simulator, Surface
 from reachtest.records import (
     Bools,
@@ -72,7 +73,7 @@ class Explorer:
         self._on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self._goals = self._all_goals()
         self._eta = mixture(s.heuristics, s.power)
-        self._bottom = float(level.collision[:, :, 2].min())
+        self._columns = ColumnIndex(level.collision)
         self._falls: list[Fall] = []
         self._steps = self._episodes = self._diverged = self._round = 0
         self._clock = _Clock(time.monotonic())
@@ -155,17 +156,17 @@ class Explorer:
                 grounded=self._archive.grounded,
             )
         )
-        weight = np.where(self._hopeless(), 0.0, weight)
+        weight = np.where(self._archive.hopeless, 0.0, weight)
         if not weight.any():
             weight[:] = 1.0
         total = np.cumsum(weight)
         draws = start_generator(self._seed, self._round).random(shape) * total[-1]
         return np.minimum(np.searchsorted(total, draws, side="right"), len(weight) - 1)
 
-    def _hopeless(self) -> Bools:
-        """Points [P] in the air below all geometry: nothing can come of them any more."""
-        below = self._cache.positions[:, 2] < self._bottom - self._level.character.height_m
-        return below & ~self._archive.grounded
+    def _hopeless(self, positions: Floats, grounded: Bools) -> Bools:
+        """Who [n] flies over nothing: the edge that was left is the better start, and is cached too."""
+        below, _ = self._columns.highest(positions, np.inf, 0.0)
+        return np.isnan(below) & ~grounded
 
     def _states_of(self, parents: Ints) -> Floats:
         spawned = parents < 0
@@ -225,6 +226,7 @@ class Explorer:
             off_mesh_m=off_mesh_m[t, b],
             exit_point=exits,
             cell=self._visits.cells(positions),
+            hopeless=self._hopeless(positions, rolled.grounded[t, b]),
         )
 
     def _exit_of(self, rolled: Trajectories, parents: Ints, on_mesh: Bools, t: int, b: int) -> Floats:

@@ -40,7 +40,9 @@ def escapes(evidence: Evidence) -> list[Cluster]:
         fell = tuple(falls[i - len(chosen)] for i in group[group >= len(chosen)])
         if not fell and not points.grounded[some].any():
             continue
-        places = np.concatenate([points.positions[some], np.array([f.footing for f in fell]).reshape(-1, 3)])
+        # Bounds of where somebody stood: what is flown through below an edge is not the place to look at.
+        footings = np.array([f.footing for f in fell]).reshape(-1, 3)
+        places = np.concatenate([points.positions[some[points.grounded[some]]], footings])
         kind = "fell_out_of_world" if fell else "unexpected_area"
         clusters.append(Cluster(kind, "", some, fell, places))
     return clusters

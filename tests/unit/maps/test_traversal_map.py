@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -156,7 +155,9 @@ def test_drops_end_below_open_air(built: Built) -> None:
     drops = [link for link in built.truth["links"] if link["skill"] == "drop"]
     ends = _places(drops, "to")
     assert len(ends) == 2
-    np.testing.assert_allclose(columns.highest(ends + [0, 0, 60], 100.0, 0.0)[0], ends[:, 2], atol=1e-4)
+    np.testing.assert_allclose(
+        columns.highest(ends + np.array([0, 0, 60]), 100.0, 0.0)[0], ends[:, 2], atol=1e-4
+    )
 
 
 def test_rooms_at_the_end_of_a_drop_can_be_entered_by_it_only(built: Built) -> None:
@@ -257,7 +258,7 @@ def test_whatever_one_can_land_on_in_the_fixed_map_is_near_the_navmesh(built: Bu
         buried = np.zeros(len(tops), dtype=bool)
         for other in pieces:
             inside = (tops >= np.array(other.low) - 1e-6) & (
-                tops + [0, 0, 0.1] <= np.array(other.high) + 1e-6
+                tops + np.array([0, 0, 0.1]) <= np.array(other.high) + 1e-6
             )
             buried |= inside.all(axis=1)
         assert surface.within(tops[~buried]).all(), piece.name
