@@ -182,7 +182,11 @@ class SurfaceIndex:
         span = np.floor(high / 2**level).astype(np.int64) - first + 1
         row, place = _expand(span.prod(axis=1))
         cell = first[row] + np.stack(
-            [place // (span[row, 1] * span[row, 2]), place // span[row, 2] % span[row, 1], place % span[row, 2]],
+            [
+                place // (span[row, 1] * span[row, 2]),
+                place // span[row, 2] % span[row, 1],
+                place % span[row, 2],
+            ],
             axis=1,
         )
         cell, row, near = self._keep_near(cell, row, 2.0**level)

@@ -130,7 +130,7 @@ class ExploreSettings:
     physics_hz: float = 30.0
     action_repeat: int = 4  # [physics steps an agent step]
     heuristics: dict[str, float] = field(
-        default_factory=lambda: {"visits": 0.4, "goals": 0.4, "off_mesh": 0.2}
+        default_factory=lambda: {"visits": 0.2, "goals": 0.2, "frontier": 0.4, "off_mesh": 0.2}
     )
     power: float = 2.0  # the paper's 1 leaves the last goals to chance: see the README
     goal_spacing_m: float = 4.0

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from reachtest.records import Bools, Floats, Ints, Points
 
-
 OWN = ("cell", "hopeless")  # for the exploration alone
 
 

@@ -25,6 +25,14 @@ def goals(candidates: Candidates) -> Floats:
     return 1.0 / np.maximum(candidates.goal_distance, NEAREST_M)
 
 
+def frontier(candidates: Candidates) -> Floats:
+    """1 / (n(s) d): seldom visited places near goals that are still open.
+
+    The ground beneath an unreached platform is near it but visited often; the ramp up is not.
+    """
+    return visits(candidates) * goals(candidates)
+
+
 def off_mesh(candidates: Candidates) -> Floats:
     """1 / n(s), the more the farther from the nav-mesh: bugs are sought, and getting off it is how they begin.
 
@@ -42,6 +50,7 @@ def uniform(candidates: Candidates) -> Floats:
 HEURISTICS: dict[str, ResetHeuristic] = {
     "visits": visits,
     "goals": goals,
+    "frontier": frontier,
     "off_mesh": off_mesh,
     "uniform": uniform,
 }

@@ -12,6 +12,8 @@ from reachtest.records import Finding, Level, Report, StopReason
 
 MAX_TEXT = 160  # characters of a name or title: a generated name can be longer than the page
 
+ONE_PLACE_M = 0.1  # a smaller box is no area
+
 
 def one_line(text: str) -> str:
     """`text` made fit to print: no control characters or line breaks, no broken Unicode, not too long."""
@@ -59,6 +61,8 @@ def extent(finding: Finding) -> str:
     """How big it is: number of points and the size of the box around them."""
     if finding.points == 1:
         return plural(1, "point")
+    if (finding.high - finding.low).max() < ONE_PLACE_M:
+        return f"{plural(finding.points, 'point')}, stood at one place"
     sides = " x ".join(f"{side:.1f}" for side in (finding.high - finding.low).tolist())
     return f"{plural(finding.points, 'point')} over {sides} m"
 

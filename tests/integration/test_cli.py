@@ -17,7 +17,9 @@ FILES = {"report.json", "summary.md", "junit.xml", "run.mcap"}
 
 
 def reachtest(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, cwd=cwd)
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, cwd=cwd
+    )
 
 
 NAV = "v -5.5 0 -5.5\nv 5.5 0 -5.5\nv 5.5 0 5.5\nv -5.5 0 5.5\nf 1 3 2\nf 1 4 3\n"
@@ -61,7 +63,7 @@ def test_an_open_edge_fails_the_build_and_is_reported(open_yard, tmp_path) -> No
     assert (report["verdict"], report["exit_code"]) == ("fail", 1)
     gating = [f for f in report["findings"] if f["gating"]]
     assert [f["kind"] for f in gating] == ["fell_out_of_world"]
-    x, y, z = gating[0]["source_position"]  # the level's axes: y up
+    x, y, _ = gating[0]["source_position"]  # the level's axes: y up
     assert x > 6
     assert abs(y) < 0.5
     assert gating[0]["reproduced"] == {"attempts": 1, "succeeded": 1}
@@ -100,7 +102,9 @@ def test_fail_on_chooses_what_gates(open_yard, tmp_path) -> None:
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_ends_the_run_with_what_was_found(closed_yard, tmp_path, number, status) -> None:
     arguments = ["run", str(closed_yard), "--steps", "50000000", "--out", str(tmp_path)]
-    process = subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     deadline = time.monotonic() + 60
     part = tmp_path / ".run.mcap.part"
     while time.monotonic() < deadline and not (part.exists() and part.stat().st_size > 2_000):
@@ -125,7 +129,9 @@ def test_all_mistakes_come_at_once_and_nothing_is_run(tmp_path) -> None:
 
 def test_unknown_heuristics_are_bad_input(tmp_path) -> None:
     file = yard(tmp_path / "yard", closed=True)
-    file.write_text(file.read_text().replace("goal_spacing_m: 3", "goal_spacing_m: 3, heuristics: {viists: 1}"))
+    file.write_text(
+        file.read_text().replace("goal_spacing_m: 3", "goal_spacing_m: 3, heuristics: {viists: 1}")
+    )
     done = reachtest("run", file, "--out", tmp_path / "out")
     assert done.returncode == 2
     assert "viists" in done.stderr

@@ -65,6 +65,8 @@ def test_heavy_packages_are_not_imported_with_the_command_line() -> None:
         name.split(".")[0]
         for node in tree.body
         if isinstance(node, ast.Import | ast.ImportFrom)
-        for name in ([alias.name for alias in node.names] if isinstance(node, ast.Import) else [str(node.module)])
+        for name in (
+            [alias.name for alias in node.names] if isinstance(node, ast.Import) else [str(node.module)]
+        )
     }
     assert not at_once & {"numpy", "scipy", "trimesh", "mujoco", "rtree", "mcap", "pydantic"}

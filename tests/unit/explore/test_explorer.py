@@ -11,10 +11,20 @@ from reachtest.explore import Explorer, Replayer
 from reachtest.explore.actions import action_stream
 from reachtest.explore.goals import sample_goals
 from reachtest.explore.rollout import roll_out
-from reachtest.records import EndReason, Exploration, ExploreSettings, NavMesh, RoundRecord, StepResult, StopReason
+from reachtest.records import (
+    EndReason,
+    Exploration,
+    ExploreSettings,
+    NavMesh,
+    RoundRecord,
+    StepResult,
+    StopReason,
+)
 from tests.levels import level
 
-SQUARE = np.array([[[-15, -15, 0], [15, -15, 0], [15, 15, 0]], [[-15, -15, 0], [15, 15, 0], [-15, 15, 0]]], float)
+SQUARE = np.array(
+    [[[-15, -15, 0], [15, -15, 0], [15, 15, 0]], [[-15, -15, 0], [15, 15, 0], [-15, 15, 0]]], float
+)
 LEVEL = level(SQUARE, navmesh=SQUARE, explore=ExploreSettings(agents=4, steps=8_000, goal_spacing_m=5.0))
 
 
@@ -121,7 +131,9 @@ def test_unexpected_points_know_where_their_path_left_the_navmesh() -> None:
     assert np.isnan(points.exit_point[~off]).all()
     inside = np.abs(points.exit_point[off]) - [15, 15, 0]
     assert (np.linalg.norm(np.maximum(inside, 0), axis=1) <= 3 + 1e-9).all()
-    assert (Plane().distance(points.exit_point[off] * 1.0001 + 0) > 1.0).mean() > 0.9  # at the rim, not anywhere
+    assert (
+        Plane().distance(points.exit_point[off] * 1.0001 + 0) > 1.0
+    ).mean() > 0.9  # at the rim, not anywhere
 
 
 def test_an_agent_whose_episode_ends_goes_on_from_its_next_start() -> None:
@@ -164,7 +176,9 @@ def test_a_simulator_that_does_not_restore_is_an_internal_error() -> None:
 def test_action_streams_are_their_own() -> None:
     one = action_stream(7, 3, 5, 128)
     np.testing.assert_array_equal(one, action_stream(7, 3, 5, 128))
-    assert any(not np.array_equal(one, action_stream(*other, 128)) for other in [(8, 3, 5), (7, 4, 5), (7, 3, 6)])
+    assert any(
+        not np.array_equal(one, action_stream(*other, 128)) for other in [(8, 3, 5), (7, 4, 5), (7, 3, 6)]
+    )
     many = np.concatenate([action_stream(0, r, a, 128) for r in range(20) for a in range(4)])
     assert set(many[:, 0]) == set(range(9))
     assert set(many[:, 1]) == {0, 1}

@@ -12,7 +12,12 @@ from reachtest.records import Character
 from tests.levels import EAST, FLOOR, NORTH, NORTH_EAST, STILL, WEST, Walk, box, slope
 
 CUSTOM = replace(
-    PRESETS["unreal"], radius_m=0.25, height_m=1.2, walk_speed_mps=4.0, jump_speed_mps=5.5, slope_limit_deg=35.0
+    PRESETS["unreal"],
+    radius_m=0.25,
+    height_m=1.2,
+    walk_speed_mps=4.0,
+    jump_speed_mps=5.5,
+    slope_limit_deg=35.0,
 )
 CHARACTERS = {**PRESETS, "custom": CUSTOM}
 
@@ -57,13 +62,17 @@ def test_flat_jump_distance(character) -> None:
     walk.go(0.01, EAST, jump=True).go(air_time(c) + 0.3, EAST)
     landed = before + 2 + int(np.argmax(walk.grounded[before + 2 :]))
     tick = c.walk_speed_mps * walk.dt
-    assert walk.path[landed, 0] - took_off == pytest.approx(c.walk_speed_mps * air_time(c), rel=0.03, abs=1.01 * tick)
+    assert walk.path[landed, 0] - took_off == pytest.approx(
+        c.walk_speed_mps * air_time(c), rel=0.03, abs=1.01 * tick
+    )
 
 
 @pytest.mark.parametrize("start", [-0.6, -6.0], ids=["standing", "run-up"])
 def test_slopes_just_under_the_limit_are_climbed(character, start) -> None:
     degrees = character.slope_limit_deg - 1
-    walk = Walk(FLOOR, slope(degrees, 30.0), start=[start, 0, 0.02], character=character).go(0.3).go(3.5, EAST)
+    walk = (
+        Walk(FLOOR, slope(degrees, 30.0), start=[start, 0, 0.02], character=character).go(0.3).go(3.5, EAST)
+    )
     assert walk.path[:, 2].max() > 3.0
 
 
@@ -93,7 +102,11 @@ def test_higher_steps_are_not(character, stick) -> None:
     c = character
     round_end = c.radius_m * (1 - np.cos(np.radians(c.slope_limit_deg)))
     height = max(c.step_height_m, round_end) + 0.05
-    walk = Walk(FLOOR, box([0, -30, 0], [6, 30, height]), start=[-4, 0, 0.02], character=c).go(0.3).go(3.0, stick)
+    walk = (
+        Walk(FLOOR, box([0, -30, 0], [6, 30, height]), start=[-4, 0, 0.02], character=c)
+        .go(0.3)
+        .go(3.0, stick)
+    )
     assert walk.path[:, 2].max() < 0.1
 
 
@@ -167,7 +180,12 @@ def test_no_fall_through_a_finely_tessellated_floor(character) -> None:
 
 def test_no_squeezing_between_walls_that_meet_at_10_degrees(character) -> None:
     a = np.radians(5)
-    wall = np.array([[[0, 0, 0], [10, 10 * np.tan(a), 0], [10, 10 * np.tan(a), 4]], [[0, 0, 0], [0, 0, 4], [10, 10 * np.tan(a), 4]]])
+    wall = np.array(
+        [
+            [[0, 0, 0], [10, 10 * np.tan(a), 0], [10, 10 * np.tan(a), 4]],
+            [[0, 0, 0], [0, 0, 4], [10, 10 * np.tan(a), 4]],
+        ]
+    )
     walls = [wall, (wall * [1, -1, 1])[:, ::-1]]
     deepest = character.radius_m / np.sin(a)
     walk = Walk(FLOOR, *walls, start=[deepest + 4, 0, 0.02], character=character).go(0.3).go(4.0, WEST)
@@ -188,7 +206,9 @@ def test_stairs_are_walked_up_and_down(character) -> None:
     rise = min(0.3, c.step_height_m) or 0.08
     stairs = [box([0.4 * i, -3, 0], [8, 3, rise * (i + 1)]) for i in range(8)]
     top = 8 * rise
-    walk = Walk(FLOOR, *stairs, start=[-4, 0, 0.02], character=c).go(0.3).go(9.0 / c.walk_speed_mps + 0.2, EAST)
+    walk = (
+        Walk(FLOOR, *stairs, start=[-4, 0, 0.02], character=c).go(0.3).go(9.0 / c.walk_speed_mps + 0.2, EAST)
+    )
     assert walk.here[2] == pytest.approx(top, abs=0.05)
     walk.go(16.0 / c.walk_speed_mps, WEST).go(0.5)
     assert walk.here[2] == pytest.approx(0.0, abs=0.05)

@@ -21,7 +21,9 @@ COURSE = level(
 
 
 def actions(rng: np.random.Generator, steps: int, agents: int) -> np.ndarray:
-    return np.stack([rng.integers(0, 9, (steps, agents)), rng.random((steps, agents)) < 0.3], axis=2).astype(np.int8)
+    return np.stack([rng.integers(0, 9, (steps, agents)), rng.random((steps, agents)) < 0.3], axis=2).astype(
+        np.int8
+    )
 
 
 def starts(agents: int) -> np.ndarray:
