@@ -62,7 +62,7 @@ def _matches(bug: dict[str, Any], finding: dict[str, Any]) -> bool:
     if finding["kind"] not in (bug["kind"], *bug.get("also", ())):
         return False
     away = np.linalg.norm(np.array(finding["source_position"]) - bug["position"])
-    low, high = np.array(bug["bounds"])
+    low, high = np.array(bug["bounds"]["low"]), np.array(bug["bounds"]["high"])
     inside = (np.array(finding["source_position"]) >= low) & (np.array(finding["source_position"]) <= high)
     return bool(away <= bug["radius_m"] or inside.all())
 
@@ -73,7 +73,7 @@ def real() -> None:
     print("|---|---|---|---|---|---|---|---|")
     for name in (*OPEN_LEVELS, *SEALED_LEVELS):
         level = ROOT / "maps/real" / name / "level.yaml"
-        for seed in range(5):
+        for seed in range(5 if name in SEALED_LEVELS else 1):
             report = run(level, seed)
             fell = [f for f in report["findings"] if f["kind"] == "fell_out_of_world"]
             others = [f["kind"] for f in report["findings"] if f["gating"] and f not in fell]
