@@ -230,9 +230,14 @@ class Explorer:
         )
 
     def _exit_of(self, rolled: Trajectories, parents: Ints, on_mesh: Bools, t: int, b: int) -> Floats:
-        """The last expected position before (t, b) on its path: in this episode, or as its parent has it."""
+        """The last expected position before (t, b) on its path: in this episode, or as its parent has it.
+
+        Where the character stood, if it did: a fall passes the nav-mesh's height beyond its edge.
+        """
         begin = int(rolled.start[t, b])
         expected = np.flatnonzero(on_mesh[begin:t, b])
+        stood = expected[rolled.grounded[begin + expected, b]]
+        expected = stood if len(stood) else expected
         if len(expected):
             return rolled.positions[begin + expected[-1], b]
         parent = int(parents[rolled.which[t, b], b])
