@@ -220,7 +220,7 @@ class Fall:
     origin: Origin
     position: Floats  # [3] where it crossed the limit
     footing: Floats  # [3] where the character last stood
-    exit_point: Floats  # [3] the last expected position before; NaN if none is known
+    exit_point: Floats  # [3] where it last stood at an expected position; NaN if none is known
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ class Points:
     start: NDArray[np.int16]  # [P]
     step: NDArray[np.int16]  # [P]
     off_mesh_m: Floats  # [P] distance to the nav-mesh surface; infinite beyond `expected_within_m`
-    exit_point: Floats  # [P, 3] the last expected position before an unexpected one; NaN if expected
+    exit_point: Floats  # [P, 3] where the character last stood at an expected position; NaN if it did not yet
 
     @property
     def expected(self) -> Bools:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from reachtest.records import Bools, Floats, Ints, Points
 
-OWN = ("cell", "hopeless")  # for the exploration alone
+OWN = ("cell", "hopeless", "footing")  # for the exploration alone
 
 
 class Archive:
@@ -28,6 +28,7 @@ class Archive:
             "start": np.empty(1024, dtype=np.int16),
             "step": np.empty(1024, dtype=np.int16),
             "off_mesh_m": np.empty(1024),
+            "footing": np.empty((1024, 3)),
             "exit_point": np.empty((1024, 3)),
             "cell": np.empty(1024, dtype=np.int64),
             "hopeless": np.empty(1024, dtype=np.bool_),
@@ -50,6 +51,11 @@ class Archive:
     def states(self) -> Floats:
         """[P, S]"""
         return self._float("states")
+
+    @property
+    def footings(self) -> Floats:
+        """Where the character last stood [P, 3]; NaN if it has not yet."""
+        return self._float("footing")
 
     @property
     def exit_points(self) -> Floats:

@@ -180,7 +180,7 @@ class Explorer:
     def _record(self, rolled: Trajectories, parents: Ints) -> Ints:
         """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
         steps, agents = rolled.ended.shape
-        episode = rolled.which + np.arange(agents)[None] * STARTS_PER_AGENT
+        episode = rolled.start.astype(np.int64) * agents + np.arange(agents)
         valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
         flat = rolled.positions.reshape(-1, 3)[valid]
         self._visits.add(flat, episode.ravel()[valid])
@@ -194,15 +194,13 @@ class Explorer:
         return new
 
     def _off_mesh(self, rolled: Trajectories, new: Ints) -> Floats:
-        """Distances [T, B] to the nav-mesh, infinite where unexpected; worked out where somebody will ask only.
+        """Distances [T, B] to the nav-mesh, infinite where unexpected; of agents that somebody will ask about.
 
-        That is new points, and whole columns of agents that left the nav-mesh or fell.
+        That is agents with new points, and agents that fell.
         """
         off_mesh_m = np.full(rolled.ended.shape, np.inf)
-        t, b = new[:, 0], new[:, 1]
-        off_mesh_m[t, b] = self._surface.distance(rolled.positions[t, b])
         fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
-        columns = np.union1d(b[np.isinf(off_mesh_m[t, b])], fell)
+        columns = np.union1d(new[:, 1], fell)
         asked = rolled.positions[:, columns].reshape(-1, 3)
         off_mesh_m[:, columns] = self._surface.distance(asked).reshape(len(off_mesh_m), len(columns))
         return off_mesh_m
@@ -210,10 +208,12 @@ class Explorer:
     def _archive_points(self, rolled: Trajectories, parents: Ints, new: Ints, off_mesh_m: Floats) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        on_mesh = np.isfinite(off_mesh_m)
-        exits = np.full((len(new), 3), np.nan)
-        for i in np.flatnonzero(~on_mesh[t, b]):
-            exits[i] = self._exit_of(rolled, parents, on_mesh, int(t[i]), int(b[i]))
+        stood = rolled.grounded & np.isfinite(rolled.positions[:, :, 0])
+        on_mesh = stood & np.isfinite(off_mesh_m)
+        known = self._archive.footings, self._archive.exit_points
+        pairs = new.tolist()
+        footings = np.array([self._last(rolled, parents, stood, known[0], *pair) for pair in pairs])
+        exits = np.array([self._last(rolled, parents, on_mesh, known[1], *pair) for pair in pairs])
         self._archive.append(
             positions=positions,
             states=rolled.states[t, b],
@@ -224,40 +224,38 @@ class Explorer:
             start=rolled.start[t, b],
             step=t + 1,
             off_mesh_m=off_mesh_m[t, b],
-            exit_point=exits,
+            footing=footings.reshape(-1, 3),
+            exit_point=exits.reshape(-1, 3),
             cell=self._visits.cells(positions),
             hopeless=self._hopeless(positions, rolled.grounded[t, b]),
         )
 
-    def _exit_of(self, rolled: Trajectories, parents: Ints, on_mesh: Bools, t: int, b: int) -> Floats:
-        """The last expected position before (t, b) on its path: in this episode, or as its parent has it.
+    def _last(
+        self, rolled: Trajectories, parents: Ints, where: Bools, archived: Floats, t: int, b: int
+    ) -> Floats:
+        """The last position up to (t, b) on its way for which `where` [T, B] holds.
 
-        Where the character stood, if it did: a fall passes the nav-mesh's height beyond its edge.
+        If there is none in its episode, what its parent has in `archived` [P, 3]; unknown at a spawn.
         """
         begin = int(rolled.start[t, b])
-        expected = np.flatnonzero(on_mesh[begin:t, b])
-        stood = expected[rolled.grounded[begin + expected, b]]
-        expected = stood if len(stood) else expected
-        if len(expected):
-            return rolled.positions[begin + expected[-1], b]
+        hits = np.flatnonzero(where[begin : t + 1, b])
+        if len(hits):
+            return rolled.positions[begin + hits[-1], b]
         parent = int(parents[rolled.which[t, b], b])
-        if parent < 0:
-            return NO_POINT
-        inherited = self._archive.exit_points[parent]
-        return self._cache.positions[parent] if np.isnan(inherited[0]) else inherited
+        return archived[parent] if parent >= 0 else NO_POINT
 
     def _note_ends(self, rolled: Trajectories, parents: Ints, on_mesh: Bools) -> None:
         """Count the round's episodes and remember its falls."""
         self._episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
         self._diverged += int((rolled.ended == EndReason.DIVERGED).sum())
-        for t, b in np.argwhere(rolled.ended == EndReason.FELL):
-            begin = int(rolled.start[t, b])
+        stood = rolled.grounded & np.isfinite(rolled.positions[:, :, 0])
+        for t, b in np.argwhere(rolled.ended == EndReason.FELL).tolist():
             parent = int(parents[rolled.which[t, b], b])
-            stood = np.flatnonzero(rolled.grounded[begin:t, b])
-            origin_of = self._cache.positions[parent] if parent >= 0 else self._spawns[-1 - parent, :3]
-            footing = rolled.positions[begin + stood[-1], b] if len(stood) else origin_of
-            origin = Origin(parent, self._round, int(b), begin, int(t) + 1)
-            exit_point = self._exit_of(rolled, parents, on_mesh, int(t), int(b))
+            origin = Origin(parent, self._round, b, int(rolled.start[t, b]), t + 1)
+            footing = self._last(rolled, parents, stood, self._archive.footings, t, b)
+            if np.isnan(footing).any():  # fell before it ever stood
+                footing = self._states_of(np.array([parent]))[0, :3]
+            exit_point = self._last(rolled, parents, stood & on_mesh, self._archive.exit_points, t, b)
             self._falls.append(Fall(origin, rolled.last[t, b], footing, exit_point))
 
     def _tell(self, rolled: Trajectories, new: Ints) -> None:
