@@ -120,9 +120,7 @@ def main() -> None:
         count = len(error.problems)
         print(f"{count} problem{'s' if count != 1 else ''} in the input, nothing was run:", file=sys.stderr)
         for problem in error.problems:
-            print(
-                f"  {problem.where}\n    found: {problem.found}\n    valid: {problem.remedy}", file=sys.stderr
-            )
+            print(f"  {problem.where}\n    {problem.found}\n    {problem.remedy}", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
     except ReachtestError as error:
         print(f"internal error: {error}", file=sys.stderr)

@@ -122,13 +122,11 @@ def _positions(exploration: Exploration) -> dict[str, int]:
 
 def _risk(exploration: Exploration) -> dict[str, Any]:
     """Good-Turing and Chao2 for incidence data; the unit of sampling is one episode."""
-    once, twice, episodes = exploration.cells_once, exploration.cells_twice, exploration.episodes
-    if episodes == 0:
+    if exploration.episodes == 0:
         return {"discovery_probability": None, "estimated_positions_total": None, "unit": "episode"}
-    unseen = once**2 / (2 * twice) if twice else once * (once - 1) / 2
     return {
-        "discovery_probability": plain(min(1.0, once / episodes)),
-        "estimated_positions_total": round(exploration.cells_total + (episodes - 1) / episodes * unseen, 1),
+        "discovery_probability": plain(exploration.discovery_probability),
+        "estimated_positions_total": round(exploration.estimated_cells_total, 1),
         "unit": "episode",
     }
 

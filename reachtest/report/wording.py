@@ -115,7 +115,7 @@ def _risk(report: Report) -> str:
     episode_s = settings.reset_interval * settings.action_repeat / settings.physics_hz
     return (
         f"one more {risk['unit']} ({episode_s:.0f} s of play) finds a new place with at most "
-        f"{100 * risk['discovery_probability']:.2g} % probability; {report.exploration.cells_total:,} of an "
+        f"{100 * risk['discovery_probability']:.3g} % probability; {report.exploration.cells_total:,} of an "
         f"estimated {risk['estimated_positions_total']:,.0f} places were seen"
     )
 
