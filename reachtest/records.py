@@ -219,8 +219,8 @@ class Fall:
 
     origin: Origin
     position: Floats  # [3] where it crossed the limit
-    footing: Floats  # [3] where the character last stood
-    exit_point: Floats  # [3] where it last stood at an expected position; NaN if none is known
+    footing: Floats  # [3] where the character last stood; the spawn if it never did
+    exit_point: Floats  # [3] where it last stood at an expected position; NaN if it did not yet
 
 
 @dataclass(frozen=True)

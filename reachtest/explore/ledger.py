@@ -1,0 +1,169 @@
+"""The ledger of a run: what the rounds brought, entered in (step, agent) order. The one writer of the cache.
+
+Shape legend: B agents, T agent steps of a round, M starts an agent, P cached points, n new points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.explore.archive import Archive
+from reachtest.explore.cache import PositionCache
+from reachtest.explore.goals import GoalSet, sample_goals
+from reachtest.explore.rollout import Trajectories
+from reachtest.explore.visits import VisitCounts
+from reachtest.geometry import ColumnIndex
+from reachtest.interfaces import Surface
+from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
+
+
+@dataclass(frozen=True)
+class _Trail:
+    """A kind of position to look back for: in the episode under way, else at its parent, else at its spawn."""
+
+    where: Bools  # [T, B]
+    archived: Floats  # [P, 3]
+    spawned: Floats  # [S, 3]
+
+
+class Ledger:
+    """Cached points with all that belongs to them, visits, goals and falls."""
+
+    def __init__(self, level: Level, surface: Surface, spawns: Floats) -> None:
+        """`surface` tells expected from unexpected positions; `spawns` [S, state size] are states."""
+        s = level.explore
+        self._settings, self._surface, self._spawns = s, surface, spawns
+        self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
+        self._cache = PositionCache(s.threshold_m)
+        self._columns = ColumnIndex(level.collision)
+        self.archive = Archive(spawns.shape[1])
+        self.visits = VisitCounts(s.threshold_m)
+        self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
+        self._goals = self._all_goals(level)
+        self.falls: list[Fall] = []
+        self.rounds = self.steps = self.episodes = self.diverged = 0
+
+    @property
+    def goal_step(self) -> Ints:
+        """Agent step at which each nav-mesh goal [G] was reached; -1 where it was not."""
+        return self._goals.reached_step[: len(self.on_navmesh)]
+
+    @property
+    def required_step(self) -> Ints:
+        """Likewise for the level's required points [R]."""
+        return self._goals.reached_step[len(self.on_navmesh) :]
+
+    def candidates(self) -> Candidates:
+        """What the reset heuristics may know of the cached points."""
+        return Candidates(
+            visits=self.visits.of(self.archive.cells),
+            goal_distance=self._goals.distances(self._cache.positions),
+            off_mesh_m=self.archive.off_mesh_m,
+            expected_within_m=self._settings.expected_within_m,
+            grounded=self.archive.grounded,
+        )
+
+    def states_of(self, parents: Ints) -> Floats:
+        """The states [..., S] of cached points, or of spawn i for -1 - i."""
+        spawned = parents < 0
+        states = np.empty((*parents.shape, self._spawns.shape[1]))
+        states[spawned] = self._spawns[-1 - parents[spawned]]
+        states[~spawned] = self.archive.states[parents[~spawned]]
+        return states
+
+    def record(self, rolled: Trajectories, parents: Ints) -> Ints:
+        """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
+        steps, agents = rolled.ended.shape
+        episode = rolled.start.astype(np.int64) * agents + np.arange(agents)
+        valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
+        flat = rolled.positions.reshape(-1, 3)[valid]
+        self.visits.add(flat, episode.ravel()[valid])
+        order = valid[self._cache.insert(flat)]
+        new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
+        off_mesh_m = self._off_mesh(rolled, new)
+        self._append(rolled, parents, new, off_mesh_m)
+        self._goals.drain(flat, self.steps + valid + 1)
+        self._note_ends(rolled, parents, off_mesh_m)
+        self.steps += rolled.ended.size
+        self.rounds += 1
+        return new
+
+    def _off_mesh(self, rolled: Trajectories, new: Ints) -> Floats:
+        """Distances [T, B] to the nav-mesh, infinite where unexpected; of agents that somebody will ask about.
+
+        That is agents with new points, and agents that fell.
+        """
+        off_mesh_m = np.full(rolled.ended.shape, np.inf)
+        fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
+        columns = np.union1d(new[:, 1], fell)
+        asked = rolled.positions[:, columns].reshape(-1, 3)
+        off_mesh_m[:, columns] = self._surface.distance(asked).reshape(len(off_mesh_m), len(columns))
+        return off_mesh_m
+
+    def _append(self, rolled: Trajectories, parents: Ints, new: Ints, off_mesh_m: Floats) -> None:
+        t, b = new[:, 0], new[:, 1]
+        positions = rolled.positions[t, b]
+        footing, exit_ = self._trails(rolled, off_mesh_m)
+        footings = np.array([self._last(rolled, parents, footing, *pair) for pair in new.tolist()])
+        exits = np.array([self._last(rolled, parents, exit_, *pair) for pair in new.tolist()])
+        self.archive.append(
+            positions=positions,
+            states=rolled.states[t, b],
+            grounded=rolled.grounded[t, b],
+            parent=parents[rolled.which[t, b], b],
+            round=np.full(len(new), self.rounds),
+            agent=b,
+            start=rolled.start[t, b],
+            step=t + 1,
+            off_mesh_m=off_mesh_m[t, b],
+            footing=footings.reshape(-1, 3),
+            exit_point=exits.reshape(-1, 3),
+            cell=self.visits.cells(positions),
+            hopeless=self._hopeless(positions, rolled.grounded[t, b]),
+        )
+
+    def _trails(self, rolled: Trajectories, off_mesh_m: Floats) -> tuple[_Trail, _Trail]:
+        """Where the characters stood, and where they stood on the nav-mesh."""
+        stood = rolled.grounded & np.isfinite(rolled.positions[:, :, 0])
+        unknown = np.full_like(self._spawn_positions, np.nan)
+        return (
+            _Trail(stood, self.archive.footings, self._spawn_positions),
+            _Trail(stood & np.isfinite(off_mesh_m), self.archive.exit_points, unknown),
+        )
+
+    def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: int, b: int) -> Floats:
+        """The last position of the trail on the way to step t of agent b, that included."""
+        begin = int(rolled.start[t, b])
+        hits = np.flatnonzero(trail.where[begin : t + 1, b])
+        if len(hits):
+            return rolled.positions[begin + hits[-1], b]
+        parent = int(parents[rolled.which[t, b], b])
+        return trail.archived[parent] if parent >= 0 else trail.spawned[-1 - parent]
+
+    def _note_ends(self, rolled: Trajectories, parents: Ints, off_mesh_m: Floats) -> None:
+        """Count the round's episodes and remember its falls."""
+        self.episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
+        self.diverged += int((rolled.ended == EndReason.DIVERGED).sum())
+        footing, exit_ = self._trails(rolled, off_mesh_m)
+        for t, b in np.argwhere(rolled.ended == EndReason.FELL).tolist():
+            parent = int(parents[rolled.which[t, b], b])
+            origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)
+            stood = self._last(rolled, parents, footing, t, b)
+            self.falls.append(
+                Fall(origin, rolled.last[t, b], stood, self._last(rolled, parents, exit_, t, b))
+            )
+
+    def _hopeless(self, positions: Floats, grounded: Bools) -> Bools:
+        """Who [n] flies over nothing: the edge that was left is the better start, and is cached too."""
+        below, _ = self._columns.highest(positions, np.inf, 0.0)
+        return np.isnan(below) & ~grounded
+
+    def _all_goals(self, level: Level) -> GoalSet:
+        """Goals on the nav-mesh, then the level's required points: both are worth exploring towards."""
+        required = level.required
+        places = np.array([place.position for place in required]).reshape(-1, 3)
+        radii = np.array([place.within_m for place in required])
+        on_mesh = np.full(len(self.on_navmesh), self._settings.goal_radius_m)
+        return GoalSet(np.concatenate([self.on_navmesh, places]), np.concatenate([on_mesh, radii]))
