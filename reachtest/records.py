@@ -347,7 +347,7 @@ class ReplayPath:
 class Finding:
     """One bug for one human to look at."""
 
-    id: str  # stable: the same bug has the same id whatever the seed finds first
+    id: str  # by name where it has one, else by place on a coarse grid: seeds agree but for places at its lines
     kind: str
     severity: str  # "error" | "warning"
     gating: bool

@@ -40,8 +40,9 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
     sight = _representative(evidence, cluster)
     anchor = sight.position if sight.exit_point is None else sight.exit_point
     named = evidence.nearest_part(anchor)
-    grid = np.floor(anchor / _ID_GRID_M).astype(int).tolist()
-    digest = hashlib.sha256(f"{cluster.kind} {cluster.label} {named} {grid}".encode()).hexdigest()
+    # What has a name of its own is known by it; other places by the part they are at and a coarse grid.
+    where = cluster.label or f"{named} {np.floor(anchor / _ID_GRID_M).astype(int).tolist()}"
+    digest = hashlib.sha256(f"{cluster.kind} {where}".encode()).hexdigest()
     return Finding(
         id=f"{cluster.kind}-{digest[:8]}",
         kind=cluster.kind,

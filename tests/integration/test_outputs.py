@@ -47,10 +47,11 @@ def test_log_holds_the_findings_and_every_discovered_point(open_run) -> None:
     folder, done = open_run
     report = json.loads(done.stdout)
     log = folder / "run.mcap"
-    texts = " ".join(str(update) for update in decoded(log, "/findings"))
+    entities = [entity for update in decoded(log, "/findings") for entity in update.entities]
     assert report["findings"]
-    for finding in report["findings"]:
-        assert finding["title"] in texts
+    assert {entity.id for entity in entities} >= {finding["id"] for finding in report["findings"]}
+    texts = {text.text for entity in entities for text in entity.texts}
+    assert texts >= {finding["title"] for finding in report["findings"]}
     clouds = decoded(log, "/coverage")
     told = sum(len(cloud.data) // cloud.point_stride for cloud in clouds)
     assert told == report["positions"]["discovered"]
@@ -72,7 +73,9 @@ def test_a_second_run_into_the_same_folder_replaces_the_first(open_run, tmp_path
     for steps in (600, 300):
         reachtest("run", file, "--steps", steps, "--out", tmp_path / "out", "--quiet")
         assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
-        assert json.loads((tmp_path / "out" / "report.json").read_text())["config"]["explore"]["steps"] == steps
+        assert (
+            json.loads((tmp_path / "out" / "report.json").read_text())["config"]["explore"]["steps"] == steps
+        )
 
 
 def test_default_folder_is_named_after_the_level(tmp_path) -> None:
@@ -102,7 +105,9 @@ def test_options_from_the_command_line_are_told_as_such(tmp_path) -> None:
 
 def test_a_time_budget_ends_the_run(tmp_path) -> None:
     file = yard(tmp_path / "yard", closed=True)
-    done = reachtest("run", file, "--steps", 10**9, "--time-budget", "1s", "--out", tmp_path / "out", "--json")
+    done = reachtest(
+        "run", file, "--steps", 10**9, "--time-budget", "1s", "--out", tmp_path / "out", "--json"
+    )
     report = json.loads(done.stdout)
     assert report["stop_reason"] == "time"
     assert 0 < report["run"]["agent_steps"] < 10**9
@@ -112,11 +117,28 @@ def test_a_time_budget_ends_the_run(tmp_path) -> None:
 def test_walls_between_the_player_and_the_void_hold(tmp_path) -> None:
     """More steps and another seed than the other tests: nobody gets out of a closed yard."""
     file = yard(tmp_path / "yard", closed=True)
-    done = reachtest("run", file, "--steps", 20_000, "--seed", 5, "--out", tmp_path / "out", "--json", "--quiet")
+    done = reachtest(
+        "run", file, "--steps", 20_000, "--seed", 5, "--out", tmp_path / "out", "--json", "--quiet"
+    )
     report = json.loads(done.stdout)
     assert (report["verdict"], report["exit_code"], report["findings"]) == ("pass", 0, [])
     assert report["positions"]["unexpected"] == 0
     assert report["coverage"]["goals_reached_fraction"] == 1
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    ["walk_speed_mps: 20, acceleration_mps2: 200", "radius_m: 0.1, height_m: 0.5"],
+    ids=["fast", "thin"],
+)
+def test_a_character_too_fast_for_its_size_is_refused_or_stopped_by_walls(tmp_path, numbers) -> None:
+    """Whoever moves further in a physics step than the capsule is wide could pass a wall: no bug of the level."""
+    file = yard(tmp_path / "yard", closed=True)
+    file.write_text(
+        file.read_text().replace("character: unreal", f"character: {{preset: unreal, {numbers}}}")
+    )
+    done = reachtest("run", file, "--out", tmp_path / "out", "--quiet")
+    assert done.returncode in (0, 2, 4), done.stdout
 
 
 @pytest.mark.parametrize("seed", [0, 1])

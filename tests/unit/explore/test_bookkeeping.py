@@ -12,7 +12,10 @@ from reachtest.explore.goals import sample_goals
 from reachtest.records import Floats, NavMesh, ReplayPath, Required, Spawn, StopReason
 from tests.unit.explore.walker import HAZE_M, KILL_Z_M, LEVEL, SQUARE, Plane, Run, Walker, stands
 
-REQUIRED = (Required("corner", np.array([11.0, -11.0, 0.0]), 2.0), Required("moon", np.array([0, 0, 99.0]), 2.0))
+REQUIRED = (
+    Required("corner", np.array([11.0, -11.0, 0.0]), 2.0),
+    Required("moon", np.array([0, 0, 99.0]), 2.0),
+)
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +43,9 @@ def test_new_points_are_told_in_the_round_that_found_them(run) -> None:
     np.testing.assert_array_equal(told, run.result.points.positions)
     expected = np.concatenate([record.new_expected for record in run.records])
     np.testing.assert_array_equal(expected, run.result.points.expected)
-    assert [record.points for record in run.records] == np.cumsum([len(r.new_points) for r in run.records]).tolist()
+    assert [record.points for record in run.records] == np.cumsum(
+        [len(r.new_points) for r in run.records]
+    ).tolist()
     rounds = np.repeat([record.round for record in run.records], [len(r.new_points) for r in run.records])
     np.testing.assert_array_equal(run.result.points.round, rounds)
 
@@ -61,7 +66,9 @@ def test_the_distance_to_the_navmesh_is_that_of_the_surface(run) -> None:
 PIT = replace(LEVEL, spawns=(Spawn("pit", np.array([8.0, 8.0, 0.0])),))
 
 
-@pytest.mark.parametrize(("where", "interval"), [(LEVEL, 128), (PIT, 128), (PIT, 32)], ids=["plane", "pit", "short"])
+@pytest.mark.parametrize(
+    ("where", "interval"), [(LEVEL, 128), (PIT, 128), (PIT, 32)], ids=["plane", "pit", "short"]
+)
 def test_visits_and_incidence_count_every_episode_once_a_cell(where, interval) -> None:
     """From the pit an agent falls every seven steps: more often in a round than it had starts drawn."""
     run = Run(seed=1, where=where, steps=2_560, reset_interval=interval)
@@ -209,7 +216,9 @@ def test_nothing_global_is_used_or_changed() -> None:
 def test_a_simulator_with_another_past_changes_nothing() -> None:
     used = Walker(5)
     used.restore(np.arange(5), np.full((5, 4), 3.0))
-    np.testing.assert_array_equal(Run(simulator=used, steps=3_000).trajectories, Run(steps=3_000).trajectories)
+    np.testing.assert_array_equal(
+        Run(simulator=used, steps=3_000).trajectories, Run(steps=3_000).trajectories
+    )
 
 
 ISLANDS = np.concatenate(
@@ -225,7 +234,9 @@ ISLANDS = np.concatenate(
 
 @pytest.mark.parametrize("spacing", [1.5, 4.0])
 def test_goals_are_spaced_lie_on_the_navmesh_and_leave_no_part_of_it_out(spacing) -> None:
-    goals = sample_goals(NavMesh("", ISLANDS.reshape(-1, 3), np.arange(3 * len(ISLANDS)).reshape(-1, 3)), spacing)
+    goals = sample_goals(
+        NavMesh("", ISLANDS.reshape(-1, 3), np.arange(3 * len(ISLANDS)).reshape(-1, 3)), spacing
+    )
     away = np.linalg.norm(goals[:, None] - goals[None], axis=2)
     np.fill_diagonal(away, np.inf)
     assert away.min() >= spacing

@@ -26,7 +26,9 @@ STRIDE_M, JUMP_M, FALL_M, KILL_Z_M = 0.7, 1.2, 1.5, -9.0
 HOLE = (6.0, 10.0)  # [m] in x and in y
 HAZE_M = -14.0  # [m] west of here the simulation diverges
 FENCE_M = 17.0  # [m] from the middle; beyond 15 is unexpected
-SQUARE = np.array([[[-12, -12, 0], [12, -12, 0], [12, 12, 0]], [[-12, -12, 0], [12, 12, 0], [-12, 12, 0]]], float)
+SQUARE = np.array(
+    [[[-12, -12, 0], [12, -12, 0], [12, 12, 0]], [[-12, -12, 0], [12, 12, 0], [-12, 12, 0]]], float
+)
 LEVEL = level(
     SQUARE,
     navmesh=SQUARE,
