@@ -64,7 +64,11 @@ def run(
     from reachtest.signals import StopOnSignal
 
     explore = {"steps": steps, "time_budget": time_budget, "agents": agents}
-    gate = {"fail_on": [kind.strip() for kind in fail_on.split(",") if kind.strip()]} if fail_on else {}
+    gate = (
+        {"fail_on": [kind.strip() for kind in fail_on.split(",") if kind.strip()]}
+        if fail_on is not None
+        else {}
+    )
     options = pipeline.with_overrides(
         pipeline.RunOptions(level, out, seed, threads), explore=explore, gate=gate
     )

@@ -54,7 +54,7 @@ def run(
     """Explore, find, judge and write everything; returns the report and the folder it was written to."""
     started_at = datetime.now(UTC).isoformat(timespec="seconds")
     folder = options.out or Path("reachtest-out") / level.name
-    folder.mkdir(parents=True, exist_ok=True)
+    _make_folder(folder)
     simulator = MujocoSimulator(level, level.explore.agents, options.threads)
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
     round_s = level.explore.reset_interval * simulator.step_s
@@ -70,6 +70,16 @@ def run(
     report = Report(level, exploration, findings, verdict, __version__, started_at, document)
     write_reports(report, folder)
     return report, folder
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        found = f"'{folder}' cannot be made: {error.strerror}"
+        raise BadInput(
+            [Problem("command line: --out", found, "name a folder that can be written")]
+        ) from error
 
 
 def with_overrides(options: RunOptions, **sections: dict[str, Any]) -> RunOptions:

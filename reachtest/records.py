@@ -194,7 +194,10 @@ class StepResult:
     """What one agent step of every agent gave."""
 
     positions: Floats  # [B, 3]
-    grounded: Bools  # [B]
+    grounded: Bools  # [B] at the end of the step
+    stood: (
+        Floats  # [B, 3] where it stood last *during* the step (a hop touches the ground in between); else NaN
+    )
     ended: NDArray[np.int8]  # [B] EndReason
 
 

@@ -23,7 +23,7 @@ from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, 
 class _Trail:
     """A kind of position to look back for: in the episode under way, else at its parent, else at its spawn."""
 
-    where: Bools  # [T, B]
+    positions: Floats  # [T, B, 3] NaN where there is none
     archived: Floats  # [P, 3]
     spawned: Floats  # [S, 3]
 
@@ -82,32 +82,28 @@ class Ledger:
         self.visits.add(flat, episode.ravel()[valid])
         order = valid[self._cache.insert(flat)]
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
-        off_mesh_m = self._off_mesh(rolled, new)
-        self._append(rolled, parents, new, off_mesh_m)
+        trails = self._trails(rolled, new)
+        self._append(rolled, parents, new, trails)
         self._goals.drain(flat, self.steps + valid + 1)
-        self._note_ends(rolled, parents, off_mesh_m)
+        self._note_ends(rolled, parents, trails)
         self.steps += rolled.ended.size
         self.rounds += 1
         return new
 
-    def _off_mesh(self, rolled: Trajectories, new: Ints) -> Floats:
-        """Distances [T, B] to the nav-mesh, infinite where unexpected; of agents that somebody will ask about.
+    def _distances(self, points: Floats, columns: Ints) -> Floats:
+        """Distances [T, B] of points [T, B, 3] to the nav-mesh, infinite where unexpected and in other columns."""
+        result = np.full(points.shape[:2], np.inf)
+        asked = points[:, columns].reshape(-1, 3)
+        result[:, columns] = self._surface.distance(asked).reshape(len(result), len(columns))
+        return result
 
-        That is agents with new points, and agents that fell.
-        """
-        off_mesh_m = np.full(rolled.ended.shape, np.inf)
-        fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
-        columns = np.union1d(new[:, 1], fell)
-        asked = rolled.positions[:, columns].reshape(-1, 3)
-        off_mesh_m[:, columns] = self._surface.distance(asked).reshape(len(off_mesh_m), len(columns))
-        return off_mesh_m
-
-    def _append(self, rolled: Trajectories, parents: Ints, new: Ints, off_mesh_m: Floats) -> None:
+    def _append(self, rolled: Trajectories, parents: Ints, new: Ints, trails: tuple[_Trail, _Trail]) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        footing, exit_ = self._trails(rolled, off_mesh_m)
-        footings = np.array([self._last(rolled, parents, footing, *pair) for pair in new.tolist()])
-        exits = np.array([self._last(rolled, parents, exit_, *pair) for pair in new.tolist()])
+        footings, exits = (
+            np.array([self._last(rolled, parents, trail, *pair) for pair in new.tolist()]).reshape(-1, 3)
+            for trail in trails
+        )
         self.archive.append(
             positions=positions,
             states=rolled.states[t, b],
@@ -117,43 +113,41 @@ class Ledger:
             agent=b,
             start=rolled.start[t, b],
             step=t + 1,
-            off_mesh_m=off_mesh_m[t, b],
-            footing=footings.reshape(-1, 3),
-            exit_point=exits.reshape(-1, 3),
+            off_mesh_m=self._surface.distance(positions),
+            footing=footings,
+            exit_point=exits,
             cell=self.visits.cells(positions),
             hopeless=self._hopeless(positions, rolled.grounded[t, b]),
         )
 
-    def _trails(self, rolled: Trajectories, off_mesh_m: Floats) -> tuple[_Trail, _Trail]:
-        """Where the characters stood, and where they stood on the nav-mesh."""
-        stood = rolled.grounded & np.isfinite(rolled.positions[:, :, 0])
+    def _trails(self, rolled: Trajectories, new: Ints) -> tuple[_Trail, _Trail]:
+        """Where the characters stood, and where they stood on the nav-mesh; of those with new points or a fall."""
+        fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
+        on_mesh = np.isfinite(self._distances(rolled.stood, np.union1d(new[:, 1], fell)))
         unknown = np.full_like(self._spawn_positions, np.nan)
         return (
-            _Trail(stood, self.archive.footings, self._spawn_positions),
-            _Trail(stood & np.isfinite(off_mesh_m), self.archive.exit_points, unknown),
+            _Trail(rolled.stood, self.archive.footings, self._spawn_positions),
+            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exit_points, unknown),
         )
 
     def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: int, b: int) -> Floats:
         """The last position of the trail on the way to step t of agent b, that included."""
         begin = int(rolled.start[t, b])
-        hits = np.flatnonzero(trail.where[begin : t + 1, b])
+        hits = np.flatnonzero(np.isfinite(trail.positions[begin : t + 1, b, 0]))
         if len(hits):
-            return rolled.positions[begin + hits[-1], b]
+            return trail.positions[begin + hits[-1], b]
         parent = int(parents[rolled.which[t, b], b])
         return trail.archived[parent] if parent >= 0 else trail.spawned[-1 - parent]
 
-    def _note_ends(self, rolled: Trajectories, parents: Ints, off_mesh_m: Floats) -> None:
+    def _note_ends(self, rolled: Trajectories, parents: Ints, trails: tuple[_Trail, _Trail]) -> None:
         """Count the round's episodes and remember its falls."""
         self.episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
         self.diverged += int((rolled.ended == EndReason.DIVERGED).sum())
-        footing, exit_ = self._trails(rolled, off_mesh_m)
         for t, b in np.argwhere(rolled.ended == EndReason.FELL).tolist():
             parent = int(parents[rolled.which[t, b], b])
             origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)
-            stood = self._last(rolled, parents, footing, t, b)
-            self.falls.append(
-                Fall(origin, rolled.last[t, b], stood, self._last(rolled, parents, exit_, t, b))
-            )
+            stood, left = (self._last(rolled, parents, trail, t, b) for trail in trails)
+            self.falls.append(Fall(origin, rolled.last[t, b], stood, left))
 
     def _hopeless(self, positions: Floats, grounded: Bools) -> Bools:
         """Who [n] flies over nothing: the edge that was left is the better start, and is cached too."""

@@ -20,7 +20,8 @@ class Trajectories:
 
     positions: Floats  # [T, B, 3]; NaN where the agent step ended the episode
     states: Floats  # [T, B, S]
-    grounded: Bools  # [T, B]
+    grounded: Bools  # [T, B] at the end of the step
+    stood: Floats  # [T, B, 3] where the agent stood last during the step; NaN if it did not
     start: NDArray[np.int16]  # [T, B] step at which the episode under way started
     which: NDArray[np.int16]  # [T, B] which of the agent's M starts it came from
     ended: NDArray[np.int8]  # [T, B] EndReason
@@ -41,6 +42,7 @@ def roll_out(simulator: Simulator, starts: Floats, actions: NDArray[np.int8]) ->
         np.full((steps, agents, 3), np.nan),
         np.zeros((steps, agents, starts.shape[2])),
         np.zeros((steps, agents), dtype=np.bool_),
+        np.full((steps, agents, 3), np.nan),
         np.zeros((steps, agents), dtype=np.int16),
         np.zeros((steps, agents), dtype=np.int16),
         np.zeros((steps, agents), dtype=np.int8),
@@ -52,7 +54,7 @@ def roll_out(simulator: Simulator, starts: Floats, actions: NDArray[np.int8]) ->
         result.positions[t, alive] = outcome.positions[alive]
         result.last[t] = outcome.positions
         result.states[t] = simulator.save()
-        result.grounded[t] = outcome.grounded
+        result.grounded[t], result.stood[t] = outcome.grounded, outcome.stood
         result.start[t], result.which[t], result.ended[t] = start, which, outcome.ended
         over = everyone[~alive]
         if len(over):

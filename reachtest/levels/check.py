@@ -32,7 +32,7 @@ def check_level(level: Level) -> Check:
     # A grid of 500 x 500 at most, so that a level in wrong units does not take longer to check.
     index = ColumnIndex(level.collision, cell_m=max(1.0, float(_extents(level).max()) / 500))
     nav_problems, nav_warnings, floor_share = check_navmesh(level, index)
-    problems = [*check_spawns(level, index), *nav_problems]
+    problems = [*check_spawns(level, index), *nav_problems, *_too_fast(level)]
     return Check(tuple(problems), (*_size(level), *nav_warnings, *_places(level)), _facts(level, floor_share))
 
 
@@ -59,6 +59,17 @@ def _likely_unit(level: Level, largest: float) -> str:
     if not 5 <= sizes[unit] <= 5000:
         return "check units and scale of the meshes"
     return f"if the meshes are in {unit} it spans {sizes[unit]:.3g} m: write units: {unit}"
+
+
+def _too_fast(level: Level) -> list[Problem]:
+    """A character that moves farther than its radius in a physics step goes through walls."""
+    who, hz = level.character, level.explore.physics_hz
+    fastest = max(who.walk_speed_mps, who.jump_speed_mps)
+    if fastest <= who.radius_m * hz:
+        return []
+    found = f"{hz:g} Hz: at {fastest:g} m/s a character of {who.radius_m:g} m radius would pass through walls"
+    need = int(np.ceil(fastest / who.radius_m))
+    return [Problem(f"{level.file.name}: explore.physics_hz", found, f"at least {need} for this character")]
 
 
 def _places(level: Level) -> list[Problem]:

@@ -84,9 +84,12 @@ class MujocoSimulator:
     def step(self, actions: NDArray[np.int8]) -> StepResult:
         """One agent step with `actions` [B, 2]: stick (0 to 8) and jump (0 or 1)."""
         stick = Stick(STICK_DIRECTIONS[actions[:, 0]], actions[:, 1] > 0, np.flatnonzero(actions[:, 0] == 0))
+        stood = np.full((self.agents, 3), np.nan)
         for _ in range(self._repeat):
             self._tick(stick)
-        return StepResult(self._position.copy(), self._footing > 0, self._ended())
+            on_ground = self._footing > 0
+            stood[on_ground] = self._position[on_ground]
+        return StepResult(self._position.copy(), on_ground, stood, self._ended())
 
     def overlaps(self, positions: Floats) -> Floats:
         """How deep a character standing at each of `positions` [n, 3] sinks into the level [n] [m]."""

@@ -118,6 +118,22 @@ def test_surface_distance_is_the_nearest_triangle_s(seed, count, limit) -> None:
     np.testing.assert_array_equal(index.within(points, limit / 2)[half], near[half] <= limit / 2)
 
 
+@settings(max_examples=20, deadline=None)
+@given(seeds, st.sampled_from([0.5, 3.0]))
+def test_points_just_within_the_limit_are_found_and_just_beyond_are_not(seed, limit) -> None:
+    """Tiny triangles far apart, asked from all sides: the cells around each of them are complete."""
+    rng = np.random.default_rng(seed)
+    middle = rng.permutation(np.stack(np.meshgrid(*[np.arange(3) * 9.0] * 3), axis=3).reshape(-1, 3))
+    triangles = (middle + rng.uniform(0, 2, (27, 3)))[:, None] + rng.normal(0, 1e-3, (27, 3, 3))
+    index = SurfaceIndex(triangles, limit)
+    away = rng.normal(0, 1, (27, 60, 3))
+    away *= limit / np.linalg.norm(away, axis=2, keepdims=True)
+    for share, found in ((0.98, True), (1.02, False)):
+        points = (triangles.mean(axis=1)[:, None] + share * away).reshape(-1, 3)
+        assert (np.isfinite(index.distance(points)) == found).all()
+        assert (index.within(points) == found).all()
+
+
 def test_surface_distance_does_not_depend_on_who_else_is_asked_for() -> None:
     rng = np.random.default_rng(8)
     index = SurfaceIndex(soup(rng, 60), 3.0)

@@ -224,7 +224,7 @@ def test_a_simulator_with_another_past_changes_nothing() -> None:
 ISLANDS = np.concatenate(
     [
         SQUARE,
-        SQUARE * 0.05 + [40.0, 0.0, 0.0],  # an island smaller than the spacing
+        SQUARE * 0.01 + [40.0, 0.0, 0.0],  # an island of a quarter of a metre
         SQUARE * [0.5, 0.5, 0.0] + [0.0, 0.0, 6.0],  # a floor above
         (SQUARE * [1.0, 0.02, 0.0]) + [0.0, 60.0, 2.0],  # a beam 24 m long and half a metre wide
         np.array([[[0.0, -40, 0], [20, -40, 0], [20, -40, 0]]]),  # nothing

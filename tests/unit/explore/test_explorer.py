@@ -51,7 +51,8 @@ class Dot:
         moved = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
         self._states += np.where(actions[:, :1] > 0, moved, 0.0)
         ended = np.where(self._states[:, 0] > 20, EndReason.FELL, EndReason.ALIVE).astype(np.int8)
-        return StepResult(self._states.copy(), np.ones(self.agents, dtype=bool), ended)
+        stood = np.where((ended == EndReason.ALIVE)[:, None], self._states, np.nan)
+        return StepResult(self._states.copy(), np.ones(self.agents, dtype=bool), stood, ended)
 
 
 class Plane:

@@ -77,7 +77,9 @@ class Walker:
         diverged = x < HAZE_M
         x[diverged] = np.nan
         ended = np.where(diverged, EndReason.DIVERGED, ended)
-        return StepResult(self._states[:, :3].copy(), stands(self._states), ended.astype(np.int8))
+        positions, grounded = self._states[:, :3].copy(), stands(self._states)
+        stood = np.where(grounded[:, None], positions, np.nan)
+        return StepResult(positions, grounded, stood, ended.astype(np.int8))
 
 
 def over_hole(x: Floats, y: Floats) -> Bools:

@@ -152,7 +152,7 @@ def test_navmesh_partly_off_the_geometry_is_a_warning(write_level: WriteLevel) -
 
 def test_tiny_level_proposes_its_unit(write_level: WriteLevel) -> None:
     small = {"box": {"center": [0, 0, -0.5], "size": [40, 30, 1]}}
-    who = {"preset": "unreal", "radius_m": 0.05, "height_m": 0.1}
+    who = {"preset": "unreal", "radius_m": 0.05, "height_m": 0.1, "walk_speed_mps": 1, "jump_speed_mps": 1}
     path = write_level(
         frame={"units": "cm"},
         geometry=[small],
@@ -192,3 +192,14 @@ def test_required_place_out_of_bounds_is_a_warning(write_level: WriteLevel) -> N
 def test_level_without_collision(write_level: WriteLevel, item: dict[str, Any]) -> None:
     where, found, _ = only_problem(write_level(geometry=[item]))
     assert (where, found) == ("level.yaml: geometry", "has no collision surface")
+
+
+def test_a_character_too_fast_for_the_physics_is_refused_with_the_rate_it_needs(
+    write_level: WriteLevel,
+) -> None:
+    path = write_level(character={"preset": "unreal", "walk_speed_mps": 20})
+    with pytest.raises(BadInput, match="at least 59") as caught:
+        load_level(path)
+    assert caught.value.problems[0].where == "level.yaml: explore.physics_hz"
+    path = write_level(character={"preset": "unreal", "walk_speed_mps": 20}, explore={"physics_hz": 60})
+    assert load_level(path).character.walk_speed_mps == 20
