@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from reachtest.errors import BadInput
 from reachtest.levels import check_level, load_level
 from tests.unit.levels.make import WriteLevel, only_problem, problems_of
 
