@@ -14,10 +14,18 @@ from typing import Any
 
 import numpy as np
 import yaml
+from scipy.spatial import cKDTree
+
+from reachtest.explore import Explorer
+from reachtest.geometry import SurfaceIndex
+from reachtest.levels import load_level
+from reachtest.world import MujocoSimulator
 
 ROOT = Path(__file__).resolve().parent.parent
 OPEN_LEVELS = ("demo_level", "three_pathfinding", "tut3d", "nav_test")
 SEALED_LEVELS = ("oa_dm1",)
+SHARED = ROOT.parent / "shared/levels"
+FALL_M, CELL_M = 2.0, 1.5  # a fall at the same edge; a floor at a cell border flips cells
 FOOTING_M = 3.0  # a footing of the reference character this near to ours is the same edge
 
 
@@ -88,13 +96,38 @@ def real() -> None:
 
 def _near_reference(name: str, fell: list[dict[str, Any]]) -> str:
     """How many of our footings lie near one of the reference character's last footings."""
-    file = ROOT.parent / "shared/levels" / name / "jolt_reach.jump.json"
+    file = SHARED / name / "jolt_reach.jump.json"
     if not fell or not file.exists():
         return "-"
     theirs = np.array(json.loads(file.read_text())["exit_footings"])
     ours = np.array([f["source_position"] for f in fell])
     near = np.linalg.norm(ours[:, None] - theirs[None], axis=2).min(axis=1) <= FOOTING_M
     return f"{near.sum()} of {len(ours)}"
+
+
+def agreement() -> None:
+    """Where the reference character stood and fell, against where ours did in one run of seed 0."""
+    print("| level | moves | falls | its footings near ours | its cells ours reached | ours in its cells |")
+    print("|---|---|---|---|---|---|")
+    for name in ("demo_level", "tut3d", "nav_test", "oa_dm1"):
+        _agreement_on(name)
+
+
+def _agreement_on(name: str) -> None:
+    level = load_level(ROOT / "maps/real" / name / "level.yaml")
+    surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
+    found = Explorer(level, MujocoSimulator(level, level.explore.agents), surface, 0).run()
+    stood = cKDTree(found.points.positions[found.points.grounded])
+    footings = np.array([fall.footing for fall in found.falls]).reshape(-1, 3)
+    for moves in ("walk", "jump"):
+        theirs = json.loads((SHARED / name / f"jolt_reach.{moves}.json").read_text())
+        cells = level.frame.to_level(np.array(theirs["standing_cells_1m"]) + 0.5)
+        exits = level.frame.to_level(np.array(theirs["exit_footings"]).reshape(-1, 3))
+        near = cKDTree(footings).query(exits)[0] <= FALL_M if len(footings) else np.zeros(len(exits))
+        reached = np.mean(stood.query(cells)[0] <= CELL_M)
+        known = np.mean(cKDTree(cells).query(stood.data)[0] <= CELL_M)
+        row = f"| {name} | {moves} | {len(footings)} | {np.sum(near):.0f} of {len(exits)} |"
+        print(f"{row} {reached:.0%} | {known:.0%} |", flush=True)
 
 
 def threads() -> None:
@@ -109,7 +142,7 @@ def threads() -> None:
             raise SystemExit(1)
 
 
-PARTS = {"small": small, "real": real, "threads": threads}
+PARTS = {"small": small, "real": real, "agreement": agreement, "threads": threads}
 
 
 def main() -> None:

@@ -20,7 +20,7 @@ from reachtest.logs import McapLog
 from reachtest.records import Level, Report, StopReason
 from reachtest.report import build_document
 from reachtest.report.write import write_reports
-from reachtest.world import MujocoSimulator
+from reachtest.world import SIMULATORS
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,7 @@ class RunOptions:
     out: Path | None = None
     seed: int = 0
     threads: int = 0  # 0: every core
+    simulator: str = next(iter(SIMULATORS))
     overrides: dict[str, Any] = field(default_factory=dict)  # of `explore` and `gate`
 
 
@@ -55,7 +56,7 @@ def run(
     started_at = datetime.now(UTC).isoformat(timespec="seconds")
     folder = options.out or Path("reachtest-out") / level.name
     _make_folder(folder)
-    simulator = MujocoSimulator(level, level.explore.agents, options.threads)
+    simulator = SIMULATORS[options.simulator](level, level.explore.agents, options.threads)
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
     round_s = level.explore.reset_interval * simulator.step_s
     with McapLog(folder / "run.mcap", level, round_s) as log:

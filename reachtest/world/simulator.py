@@ -91,18 +91,6 @@ class MujocoSimulator:
             stood[on_ground] = self._position[on_ground]
         return StepResult(self._position.copy(), on_ground, stood, self._ended())
 
-    def overlaps(self, positions: Floats) -> Floats:
-        """How deep a character standing at each of `positions` [n, 3] sinks into the level [n] [m]."""
-        kept = self.save()
-        depth = np.empty(len(positions))
-        for begin in range(0, len(positions), self.agents):
-            some = positions[begin : begin + self.agents]
-            ids = np.arange(len(some))
-            self.restore(ids, self.place(some))
-            depth[begin : begin + len(some)] = np.maximum(-self._deepest()[: len(some)], 0.0)
-        self.restore(np.arange(self.agents), kept)
-        return depth
-
     # --- one control tick -------------------------------------------------------------------------
 
     def _tick(self, stick: Stick) -> None:
@@ -237,4 +225,5 @@ class MujocoSimulator:
         return reason.astype(np.int8)
 
 
+# The first is the default.
 SIMULATORS: dict[str, Callable[[Level, int, int], Simulator]] = {"mujoco": MujocoSimulator}

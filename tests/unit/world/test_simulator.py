@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from reachtest.records import EndReason, ExploreSettings
 from reachtest.world import MujocoSimulator
@@ -93,13 +92,6 @@ def test_leaving_the_bounds_is_a_fall() -> None:
     simulator = MujocoSimulator(COURSE, 1, 1)
     simulator.restore(np.arange(1), simulator.place(np.array([[0.0, 2000.0, 0.0]])))
     assert simulator.step(np.zeros((1, 2), dtype=np.int8)).ended[0] == EndReason.FELL
-
-
-def test_overlaps_tells_free_from_blocked_places() -> None:
-    simulator = MujocoSimulator(COURSE, 2, 1)
-    depth = simulator.overlaps(np.array([[0, 0, 0.001], [8.1, 0, 0.001], [-4, 4, 0.5]]))
-    assert depth[0] == pytest.approx(0.0, abs=1e-3)
-    assert (depth[1:] > 0.1).all()
 
 
 def test_precision_does_not_depend_on_the_distance_from_the_origin() -> None:
