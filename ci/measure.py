@@ -116,7 +116,7 @@ def agreement() -> None:
 def _agreement_on(name: str) -> None:
     level = load_level(ROOT / "maps/real" / name / "level.yaml")
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
-    found = Explorer(level, MujocoSimulator(level, level.explore.agents), surface, 0).run()
+    found = Explorer(level, MujocoSimulator(level, level.explore.lanes), surface, 0).run()
     stood = cKDTree(found.points.positions[found.points.grounded])
     footings = np.array([fall.footing for fall in found.falls]).reshape(-1, 3)
     for moves in ("walk", "jump"):

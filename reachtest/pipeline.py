@@ -56,7 +56,7 @@ def run(
     started_at = datetime.now(UTC).isoformat(timespec="seconds")
     folder = options.out or Path("reachtest-out") / level.name
     _make_folder(folder)
-    simulator = SIMULATORS[options.simulator](level, level.explore.agents, options.threads)
+    simulator = SIMULATORS[options.simulator](level, level.explore.lanes, options.threads)
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
     round_s = level.explore.reset_interval * simulator.step_s
     with McapLog(folder / "run.mcap", level, round_s) as log:

@@ -125,7 +125,12 @@ class ExploreSettings:
     agents: int = 16
     steps: int = 200_000  # [agent steps], over all agents
     time_budget_s: float | None = None
-    reset_interval: int = 128  # [agent steps]
+    reset_interval: int = (
+        32  # [agent steps] an episode; the paper's 128 takes twice the steps: see the README
+    )
+    episodes_at_once: int = (
+        8  # of each agent, between two looks at the cache: they are simulated side by side
+    )
     threshold_m: float = 1.0  # K
     physics_hz: float = 30.0
     action_repeat: int = 4  # [physics steps an agent step]
@@ -136,6 +141,11 @@ class ExploreSettings:
     goal_spacing_m: float = 4.0
     goal_radius_m: float = 1.0
     expected_within_m: float = 3.0
+
+    @property
+    def lanes(self) -> int:
+        """Episodes simulated side by side: agent a has lanes a * episodes_at_once and following."""
+        return self.agents * self.episodes_at_once
 
 
 @dataclass(frozen=True)
@@ -206,7 +216,7 @@ class Origin:
     """Where a position came from: enough to re-simulate it.
 
     The episode restored cached point `parent` (or spawn -1 - parent, if negative) at step `start` of round
-    `round`, and agent `agent` then took the actions `start + 1 ... step` of its stream.
+    `round`, and lane `agent` (see `ExploreSettings.lanes`) then took the actions `start + 1 ... step` of its stream.
     """
 
     parent: int
@@ -235,7 +245,7 @@ class Points:
     grounded: Bools  # [P]
     parent: NDArray[np.int32]  # [P] cached point the episode started from; -1 - i for spawn i
     round: NDArray[np.int32]  # [P]
-    agent: NDArray[np.int16]  # [P]
+    agent: NDArray[np.int32]  # [P] lane
     start: NDArray[np.int16]  # [P]
     step: NDArray[np.int16]  # [P]
     off_mesh_m: Floats  # [P] distance to the nav-mesh surface; infinite beyond `expected_within_m`

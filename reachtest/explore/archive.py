@@ -24,7 +24,7 @@ class Archive:
             "grounded": np.empty(1024, dtype=np.bool_),
             "parent": np.empty(1024, dtype=np.int32),
             "round": np.empty(1024, dtype=np.int32),
-            "agent": np.empty(1024, dtype=np.int16),
+            "agent": np.empty(1024, dtype=np.int32),
             "start": np.empty(1024, dtype=np.int16),
             "step": np.empty(1024, dtype=np.int16),
             "off_mesh_m": np.empty(1024),

@@ -2,9 +2,10 @@
 
 All agents restart at the same step and the cache influences only the choice at a restart, so a whole round is
 simulated first and its positions are inserted afterwards in (step, agent) order: the same result as inserting
-step by step.
+step by step. An agent draws the starts of its next few episodes at once; those do not depend on each other
+either, so they are simulated side by side, a lane each.
 
-Shape legend: B agents, T agent steps of a round, M starts an agent, P cached points, n new points.
+Shape legend: B lanes (episodes under way), T agent steps of a round, M starts an agent, P cached points, n new points.
 """
 
 from __future__ import annotations
@@ -91,9 +92,9 @@ class Explorer:
     def _one_round(self) -> None:
         s = self._settings
         number = self._ledger.rounds
-        length = min(s.reset_interval, -(-(s.steps - self._ledger.steps) // s.agents))
+        length = min(s.reset_interval, -(-(s.steps - self._ledger.steps) // s.lanes))
         streams = [
-            action_stream(self._seed, number, agent, s.reset_interval)[:length] for agent in range(s.agents)
+            action_stream(self._seed, number, agent, s.reset_interval)[:length] for agent in range(s.lanes)
         ]
         parents = self._draw_starts()
         began = time.monotonic()
@@ -106,7 +107,7 @@ class Explorer:
 
     def _draw_starts(self) -> Ints:
         """What each agent starts from [M, B]: cached points, or -1 - i for spawn i."""
-        agents, number, archive = self._settings.agents, self._ledger.rounds, self._ledger.archive
+        agents, number, archive = self._settings.lanes, self._ledger.rounds, self._ledger.archive
         shape, spawns = (STARTS_PER_AGENT, agents), len(self._level.spawns)
         if not len(archive) or number * agents < spawns:  # every spawn is used at least once
             return -1 - (number * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns
@@ -123,7 +124,7 @@ class Explorer:
         record = RoundRecord(
             round=ledger.rounds - 1,
             agent_steps=ledger.steps,
-            sim_time_s=ledger.steps / self._settings.agents * self._simulator.step_s,
+            sim_time_s=ledger.steps / self._settings.lanes * self._simulator.step_s,
             trajectories=rolled.positions,
             new_points=rolled.positions[new[:, 0], new[:, 1]],
             new_expected=np.isfinite(off_mesh_m[len(off_mesh_m) - len(new) :]),

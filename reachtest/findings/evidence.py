@@ -66,7 +66,7 @@ class Evidence:
     def seen_step(self, origin: Origin) -> int:
         """The agent step of the run at which something of `origin` was seen first."""
         s = self.exploration.settings
-        return origin.round * s.reset_interval * s.agents + (origin.step - 1) * s.agents + origin.agent + 1
+        return origin.round * s.reset_interval * s.lanes + (origin.step - 1) * s.lanes + origin.agent + 1
 
     def nearest_part(self, position: Floats) -> str | None:
         """The name of the level part whose box is nearest to a position [3]; the smaller of equals."""

@@ -209,6 +209,12 @@ class ExploreSpec(Spec):
     )
     time_budget_s: float | None = Field(None, gt=0, le=30 * 86_400, description="The same [s].")
     # Steps of a round are kept as 16-bit numbers.
+    episodes_at_once: int = Field(
+        _EXPLORE.episodes_at_once,
+        ge=1,
+        le=64,
+        description="Episodes of each agent between two looks at the cache; simulated side by side.",
+    )
     reset_interval: int = Field(
         _EXPLORE.reset_interval, ge=1, le=32_767, description="Episode [agent steps]."
     )

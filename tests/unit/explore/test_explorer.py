@@ -25,7 +25,11 @@ from tests.levels import level
 SQUARE = np.array(
     [[[-15, -15, 0], [15, -15, 0], [15, 15, 0]], [[-15, -15, 0], [15, 15, 0], [-15, 15, 0]]], float
 )
-LEVEL = level(SQUARE, navmesh=SQUARE, explore=ExploreSettings(agents=4, steps=8_000, goal_spacing_m=5.0))
+LEVEL = level(
+    SQUARE,
+    navmesh=SQUARE,
+    explore=ExploreSettings(agents=4, episodes_at_once=1, steps=8_000, goal_spacing_m=5.0),
+)
 
 
 class Dot:
@@ -111,7 +115,7 @@ def test_interruption_ends_after_the_round() -> None:
     explorer = Explorer(LEVEL, Dot(4), Plane(), 0, (), lambda: next(asked))
     result = explorer.run()
     assert result.stop_reason is StopReason.INTERRUPTED
-    assert result.agent_steps == 2 * 4 * 128
+    assert result.agent_steps == 2 * 4 * LEVEL.explore.reset_interval
 
 
 def test_falls_carry_footing_and_exit() -> None:

@@ -32,7 +32,9 @@ SQUARE = np.array(
 LEVEL = level(
     SQUARE,
     navmesh=SQUARE,
-    explore=ExploreSettings(agents=5, steps=12_000, goal_spacing_m=4.0),
+    explore=ExploreSettings(
+        agents=5, episodes_at_once=1, reset_interval=128, steps=12_000, goal_spacing_m=4.0
+    ),
     kill_z_m=KILL_Z_M,
     spawn=[0.0, 0.0, 0.0],
 )

@@ -101,11 +101,11 @@ def test_the_shortest_way_to_somewhere_to_stand_is_shown() -> None:
 
 
 def test_first_seen_is_the_agent_step_of_the_whole_run() -> None:
-    """16 agents of 128 steps: 2048 a round; within a step, agent after agent."""
+    """16 agents with 8 episodes of 32 steps: 4096 a round; within a step, lane after lane."""
     spots = [([9.0 + i, 20.0, 0], [9.0, 9.0, 0], True) for i in range(3)]
     result = grown(exploration(spots), round=[7, 2, 2], step=[3, 5, 5], agent=[0, 9, 4])
     (finding,) = find(LEVEL, result, Paths())
-    assert finding.first_seen_step == 2 * 2_048 + 4 * 16 + 4 + 1
+    assert finding.first_seen_step == 2 * 4_096 + 4 * 128 + 4 + 1
 
 
 def test_bounds_enclose_everywhere_somebody_stood() -> None:

@@ -14,7 +14,7 @@ COURSE = level(
     box([-6, 2, 0], [-2, 6, 1.0]),
     box([8, -20, 0], [9, 20, 4]),
     slope(30, 6.0, x=-20),
-    explore=ExploreSettings(agents=8),
+    explore=ExploreSettings(agents=8, episodes_at_once=1),
     kill_z_m=-5,
 )
 
