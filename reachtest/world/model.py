@@ -18,8 +18,10 @@ SKIN_M = 0.01  # contacts are reported from this distance on, without a force
 PRISM_M = 0.03  # thick enough to be hit by walking characters, thin enough for double-sided walls
 MIN_ALTITUDE_M = 1e-3  # thinner slivers make no convex hull; the gap they leave is as thin
 MASS_KG = 80.0  # any: the controller plans velocities
+ARENA_BYTES = 1 << 20  # for the contacts of one capsule; MuJoCo's own guess is 13 MB an agent
 
 _DYNAMIC, _STATIC = 1, 2
+_NOWHERE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]) + [0.0, 0.0, -1e6]  # 1,000 km down
 
 
 def usable_triangles(triangles: Floats) -> Floats:
@@ -29,9 +31,15 @@ def usable_triangles(triangles: Floats) -> Floats:
     return triangles[2 * area > MIN_ALTITUDE_M * np.maximum(longest, 1e-12)]
 
 
-def build_model(triangles: Floats, character: Character, timestep_s: float) -> mujoco.MjModel:
-    """A model with the capsule (three slide joints, origin at the feet) and one prism a triangle [F, 3, 3]."""
+def build_model(
+    triangles: Floats, character: Character, timestep_s: float, prisms: int | None = None
+) -> mujoco.MjModel:
+    """A model with the capsule (three slide joints, origin at the feet) and one prism a usable triangle [F, 3, 3].
+
+    Filled up to `prisms` with some that nobody gets near: models of as many prisms have the same layout.
+    """
     spec = mujoco.MjSpec()
+    spec.memory = ARENA_BYTES
     option = spec.option
     option.timestep = timestep_s
     option.gravity = [0.0, 0.0, -character.gravity_mps2]
@@ -41,7 +49,8 @@ def build_model(triangles: Floats, character: Character, timestep_s: float) -> m
     # Static poses are recomputed at every step unless sleeping is allowed (630 us against 46 at 40,000 geoms).
     option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     _add_capsule(spec, character)
-    usable = usable_triangles(triangles)
+    missing = 0 if prisms is None else prisms - len(triangles)
+    usable = np.concatenate([triangles, np.broadcast_to(_NOWHERE, (missing, 3, 3))])
     normals, _ = triangle_normals(usable)
     for index, (corners, normal) in enumerate(zip(usable, normals, strict=True)):
         # Mesh vertices are float32: keep them small, the position of the geom is float64.

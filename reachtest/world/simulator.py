@@ -18,7 +18,8 @@ from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
-from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, MASS_KG, build_model
+from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, MASS_KG, build_model, usable_triangles
+from reachtest.world.tiles import MODELS_MB, TARGET_TRIANGLES, TileModels, margin_for, partition
 
 STATE_SIZE = 7
 SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
@@ -31,8 +32,15 @@ _FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached,
 class MujocoSimulator:
     """Meets `interfaces.Simulator`."""
 
-    def __init__(self, level: Level, agents: int, threads: int = 0) -> None:
-        """Compile the level for `agents` characters; `threads` 0 takes every core."""
+    def __init__(
+        self,
+        level: Level,
+        agents: int,
+        threads: int = 0,
+        tile_triangles: int = TARGET_TRIANGLES,
+        tiles_mb: float = MODELS_MB,
+    ) -> None:
+        """Prepare the level for `agents` characters; `threads` 0 takes every core."""
         self.character = level.character
         self._dt = 1.0 / level.explore.physics_hz
         self._repeat = level.explore.action_repeat
@@ -40,7 +48,11 @@ class MujocoSimulator:
         self._bounds = level.bounds
         self._columns = ColumnIndex(level.collision, min_normal_z=0.05)
         self._controller = Controller(level.character, self._dt)
-        model = build_model(level.collision, level.character, self._dt)
+        self._triangles = usable_triangles(level.collision)
+        self._partition = partition(self._triangles, margin_for(level.character, self._dt), tile_triangles)
+        self._models = TileModels(self._compile, tiles_mb)
+        self._tile = self._partition.find(np.broadcast_to(level.spawns[0].position, (agents, 3)))
+        model = self._models.get(int(self._tile[0]))
         self._batch = batch.Batch(model, agents, nthread=threads, persistent=True)
         self._position: Floats = self._batch.bind("qpos")
         self._velocity: Floats = self._batch.bind("qvel")
@@ -75,6 +87,7 @@ class MujocoSimulator:
         self._force[agents] = 0.0
         self._footing[agents] = states[:, 6]
         self._failed[agents] = False
+        self._enter_tiles()
         self._refresh(agents)
 
     def save(self) -> Floats:
@@ -95,6 +108,7 @@ class MujocoSimulator:
 
     def _tick(self, stick: Stick) -> None:
         before = self._footing > 0
+        self._enter_tiles()
         plan = self._controller.plan(self._velocity, self._contacts, before, stick)
         self._stop_at_floors(plan.velocity)
         np.subtract(plan.velocity, self._velocity, out=self._force)
@@ -194,7 +208,26 @@ class MujocoSimulator:
             self._refresh(back)
         return ids[free]
 
-    # --- the batch --------------------------------------------------------------------------------
+    # --- tiles and the batch ----------------------------------------------------------------------
+
+    def _compile(self, tile: int) -> mujoco.MjModel:
+        members = self._triangles[self._partition.members[tile]]
+        return build_model(members, self.character, self._dt, self._partition.capacity)
+
+    def _enter_tiles(self) -> None:
+        """Put everybody who left a tile onto the next; what they touch does not change by that."""
+        here, low, high = self._position, self._partition.low[self._tile], self._partition.high[self._tile]
+        ids = np.flatnonzero(~((here >= low) & (here < high)).all(axis=1))
+        if not len(ids):
+            return
+        self._tile[ids] = self._partition.find(here[ids])
+        self._batch.set_models([self._models.get(tile, self._tile) for tile in self._tile.tolist()])
+        # MjData keeps the poses of static geoms while they sleep: only a reset moves it to other ones. The
+        # reset also forgets warnings, and the state.
+        self._failed[ids] |= (self._batch.warning[ids, :, 1] > 0).any(axis=1)
+        kept = self._position[ids], self._velocity[ids]
+        self._batch.reset(ids, stage=mujoco.mjtStage.mjSTAGE_NONE)
+        self._position[ids], self._velocity[ids] = kept
 
     def _refresh(self, ids: Ints) -> None:
         """Contacts of states that were written from outside."""
