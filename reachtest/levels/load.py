@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
+from reachtest.levels.build import build_primitive
 from reachtest.levels.check import check_level
 from reachtest.levels.document import merge, parse, read_yaml
 from reachtest.levels.frames import make_frame
@@ -60,13 +61,25 @@ def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
 
 def _missing_files(document: Mapping[str, Any], path: Path) -> Iterator[Problem]:
     """The files that a document with other mistakes names in vain."""
+    for where, name, types, what_for in _file_keys(document):
+        if isinstance(name, str) and name and (bad := file_problem(name, path.parent, types, what_for)):
+            yield Problem(f"{path.name}: {where}", *bad)
+
+
+def _file_keys(document: Mapping[str, Any]) -> Iterator[tuple[str, Any, Collection[str], str]]:
+    """Every key that names a file, with its value, the types the file may have, and what it is for."""
     geometry = document.get("geometry")
-    items = geometry if isinstance(geometry, list) else []
-    named = [(f"geometry[{index}]", item, MESH_READERS) for index, item in enumerate(items)]
-    for key, item, readers in [*named, ("navmesh", document.get("navmesh"), NAVMESH_READERS)]:
-        mesh = item.get("mesh") if isinstance(item, dict) else None
-        if isinstance(mesh, str) and mesh and (problem := file_problem(mesh, path.parent, readers)):
-            yield Problem(f"{path.name}: {key}.mesh", *problem)
+    for index, item in enumerate(geometry if isinstance(geometry, list) else []):
+        yield f"geometry[{index}].mesh", _get(item, "mesh"), MESH_READERS, "mesh"
+        for kind, primitive in PRIMITIVES.items():
+            name = _get(_get(item, kind), "file")
+            if primitive.files:
+                yield f"geometry[{index}].{kind}.file", name, primitive.files, kind
+    yield "navmesh.mesh", _get(document.get("navmesh"), "mesh"), NAVMESH_READERS, "mesh"
+
+
+def _get(value: Any, key: str) -> Any:
+    return value.get(key) if isinstance(value, dict) else None
 
 
 @dataclass
@@ -83,7 +96,7 @@ class _Builder:
         self.collision: list[Floats] = []
         self.solids: list[Solid] = []
         self.parts: list[Part] = []
-        self.meshes: list[Mesh] = []
+        self.contents: list[bytes] = []
         self.navmesh: Mesh | None = None
         self.collision_known = True
 
@@ -105,22 +118,20 @@ class _Builder:
         try:
             where = f"{self.path.name}: navmesh"
             self.navmesh = read_mesh(self.spec.navmesh, self.folder, self.spec.frame, NAVMESH_READERS, where)
-            self.meshes.append(self.navmesh)
+            self.contents.append(self.navmesh.digest_data)
         except BadInput as error:
             self.problems += error.problems
 
     def _pieces(self, item: GeometrySpec, where: str) -> tuple[Piece, ...]:
         if item.shape == "mesh":
             mesh = read_mesh(item, self.folder, self.spec.frame, MESH_READERS, where)
-            self.meshes.append(mesh)
+            self.contents.append(mesh.digest_data)
             return mesh.pieces
-        shape = item.shape
-        try:
-            triangles = PRIMITIVES[shape].build(getattr(item, shape), self.frame)
-        except ValueError as error:
-            raise BadInput([Problem(f"{where}.{shape}", "has no extent", str(error))]) from error
+        spec = getattr(item, item.shape)
+        triangles, content = build_primitive(item.shape, spec, self.folder, self.frame, where)
+        self.contents.append(content)
         faces = np.arange(3 * len(triangles), dtype=np.int64).reshape(-1, 3)
-        return (Piece(item.name or shape, triangles.reshape(-1, 3), faces),)
+        return (Piece(item.name or item.shape, triangles.reshape(-1, 3), faces),)
 
     def _add(self, item: GeometrySpec, pieces: tuple[Piece, ...], where: str, index: int) -> None:
         label = item.name or (f"{item.shape} {index}" if item.shape != "mesh" else Path(str(item.mesh)).stem)
@@ -147,7 +158,7 @@ class _Builder:
         return ReadLevel(
             name=spec.name or self.path.resolve().parent.name or "level",
             file=self.path,
-            sha256=_digest([data, *(mesh.digest_data for mesh in self.meshes)]),
+            sha256=_digest([data, *self.contents]),
             frame=self.frame,
             collision=collision,
             solids=tuple(self.solids),

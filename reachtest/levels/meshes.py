@@ -16,6 +16,7 @@ from reachtest.errors import BadInput, Problem
 from reachtest.levels.fields import nearest
 from reachtest.levels.frames import make_frame
 from reachtest.levels.read_gltf import external_files, read_glb, read_gltf
+from reachtest.levels.read_mjcf import read_mjcf
 from reachtest.levels.read_obj import read_obj
 from reachtest.levels.read_plain import read_ply, read_stl
 from reachtest.levels.scene import Piece, Unreadable
@@ -30,12 +31,14 @@ MESH_READERS: dict[str, MeshReader] = {
     ".gltf": read_gltf,
     ".ply": read_ply,
     ".stl": read_stl,
+    ".xml": read_mjcf,
 }
 """One new file and one line to add one."""
 
 NAVMESH_READERS: dict[str, MeshReader] = {".obj": read_obj, ".glb": read_glb, ".gltf": read_gltf}
 
-FORMAT_UP_AXIS = {".glb": "y", ".gltf": "y"}  # glTF 2.0, section 3.4: +Y up
+FORMAT_UP_AXIS = {".glb": "y", ".gltf": "y", ".xml": "z"}  # glTF 2.0, section 3.4: +Y up; MuJoCo: z up
+FORMAT_UNITS = {".xml": "m"}  # MuJoCo's default gravity and density are in SI units
 
 THINNEST_M = 1e-6  # below the resolution of 32-bit coordinates in any level: no surface, only rounding
 
@@ -45,12 +48,14 @@ class Mesh:
     """A mesh file, read."""
 
     file: str
-    digest_data: bytes  # what the file holds, with the files it names
+    digest_data: bytes  # what the file holds, with what is in the files it names
     frame: Frame
     pieces: tuple[Piece, ...]  # in level coordinates
 
 
-def file_problem(name: str, folder: Path, readers: Collection[str]) -> tuple[str, str] | None:
+def file_problem(
+    name: str, folder: Path, readers: Collection[str], what_for: str = "mesh"
+) -> tuple[str, str] | None:
     """What is wrong with the file's name, and the remedy; None where it can be read."""
     path = folder / name
     if path.suffix.lower() not in readers:
@@ -59,7 +64,7 @@ def file_problem(name: str, folder: Path, readers: Collection[str]) -> tuple[str
     if path.is_file():
         return None
     if path.exists():
-        return f"{name} is not a file", "name the mesh file itself"
+        return f"{name} is not a file", f"name the {what_for} file itself"
     if not path.parent.is_dir():
         return (
             f"{name} does not exist: there is no folder {Path(name).parent}",
@@ -68,7 +73,7 @@ def file_problem(name: str, folder: Path, readers: Collection[str]) -> tuple[str
     names = sorted(other.name for other in path.parent.iterdir())
     near = nearest(path.name, names)
     valid = [other for other in names if Path(other).suffix.lower() in readers]
-    there = f"mesh files there: {', '.join(valid[:8]) or 'none'}"
+    there = f"{what_for} files there: {', '.join(valid[:8]) or 'none'}"
     return f"{name} does not exist", f"{near}{there}"
 
 
@@ -90,20 +95,26 @@ def read_mesh(
         found = f"{name} cannot be read: {type(error).__name__}: {error}".rstrip(": ")
         remedy = "the file is damaged or cut off: export it again and check that it opens elsewhere"
         raise BadInput([Problem(f"{where}.mesh", found, remedy)]) from error
+    attached = _attached(data, path, pieces)
     pieces = _chosen(pieces, spec, where, name)
     if problems := [Problem(f"{where}.mesh", *bad) for bad in _defects(pieces, name)]:
         raise BadInput(problems)
     up_axis = spec.up_axis or FORMAT_UP_AXIS.get(suffix, frame.up_axis)
-    own = make_frame(up_axis, spec.units or frame.units, spec.scale, spec.flip_x)
+    units = spec.units or FORMAT_UNITS.get(suffix) or frame.units
+    own = make_frame(up_axis, units, spec.scale, spec.flip_x)
     placed = tuple(_placed(piece, own) for piece in pieces)
     if all(degenerate(piece.triangles).all() for piece in placed):
         found = f"all triangles of {name} are thinner than {THINNEST_M:g} m"
         raise BadInput([Problem(f"{where}.mesh", found, "check units and scale, or export it again")])
-    return Mesh(name, data + _attached(data, path), own, placed)
+    return Mesh(name, data + attached, own, placed)
 
 
-def _attached(data: bytes, path: Path) -> bytes:
-    named = external_files(data, path) if path.suffix.lower() in FORMAT_UP_AXIS else []
+def _attached(data: bytes, path: Path, pieces: list[Piece]) -> bytes:
+    """What the files hold that the file names."""
+    suffix = path.suffix.lower()
+    if suffix == ".xml":  # only MuJoCo knows which files it read; all that came of them is in the pieces
+        return b"".join(array.tobytes() for piece in pieces for array in (piece.vertices, piece.faces))
+    named = external_files(data, path) if suffix in (".glb", ".gltf") else []
     return b"".join(other.read_bytes() for other in named)
 
 

@@ -1,19 +1,19 @@
-"""Shapes that `level.yaml` can state without a mesh file: box, ramp, cylinder.
+"""Shapes that `level.yaml` can state without a mesh file: box, ramp, cylinder, heightmap.
 
-Each is a closed surface with outward normals. Positions are in the file's frame, the triangles in level
-coordinates. To add one: its spec, its builder, and one line in `PRIMITIVES`.
+Each is a surface with outward normals, closed but for the heightmap. Positions are in the file's frame, the
+triangles in level coordinates. To add one: its spec, its builder, and one line in `PRIMITIVES`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydantic import Field
 
 from reachtest.levels.fields import Length, Point, Size, Spec
+from reachtest.levels.heightmap import Heightmap, build_heightmap
 from reachtest.records import Floats, Frame
 
 CYLINDER_SIDES = 32  # the polygon then stays within 0.5 % of the radius: 1 - cos(pi / 32)
@@ -122,12 +122,19 @@ class Primitive:
     """A kind of primitive: what the file says of it and how it becomes triangles."""
 
     spec: type[Spec]
-    build: Callable[[Any, Frame], Floats]
+    build: Callable[..., Floats]  # of the spec, the frame and, where it has `files`, the file's bytes
     description: str
+    files: tuple[str, ...] = ()  # the types its key `file` can name; none: it has no such key
 
 
 PRIMITIVES: dict[str, Primitive] = {
     "box": Primitive(Box, build_box, "A box: center, size, yaw_deg."),
     "ramp": Primitive(Ramp, build_ramp, "A sloping slab: from, to, width, thickness."),
     "cylinder": Primitive(Cylinder, build_cylinder, "An upright cylinder: center, radius, height."),
+    "heightmap": Primitive(
+        Heightmap,
+        build_heightmap,
+        "A terrain: file (PNG or NPY, first row at +y), size_m, height_m, position.",
+        files=(".npy", ".png"),
+    ),
 }

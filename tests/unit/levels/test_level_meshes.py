@@ -25,7 +25,7 @@ def with_mesh(write_level: WriteLevel, name: str, data: bytes | str, **keys: Any
 
 
 def test_tables_hold_what_the_manual_promises() -> None:
-    assert set(MESH_READERS) == {".obj", ".glb", ".gltf", ".ply", ".stl"}
+    assert set(MESH_READERS) == {".obj", ".glb", ".gltf", ".ply", ".stl", ".xml"}
     assert set(NAVMESH_READERS) == {".obj", ".glb", ".gltf"}
 
 
@@ -45,7 +45,7 @@ def test_missing_folder_is_said_as_such(write_level: WriteLevel) -> None:
 def test_wrong_type_lists_the_valid_ones(write_level: WriteLevel, name: str) -> None:
     _, found, remedy = only_problem(with_mesh(write_level, name, "x"))
     assert name in found
-    assert ".glb .gltf .obj .ply .stl" in remedy
+    assert ".glb .gltf .obj .ply .stl .xml" in remedy
 
 
 def test_navmesh_types_are_fewer(write_level: WriteLevel) -> None:
