@@ -22,6 +22,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+bench = typer.Typer(help="Measure reachtest itself.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
+
 LevelFile = Annotated[Path, typer.Argument(metavar="LEVEL.yaml", help="The level file.")]
 
 
@@ -94,6 +97,27 @@ def validate(level: LevelFile) -> None:
     for warning in check.warnings:
         print(f"warning: {warning}")
     print(f"{level.name} is valid" + (f", {len(check.warnings)} warnings" if check.warnings else ""))
+
+
+@bench.command()
+def speed(
+    level: LevelFile,
+    steps: Annotated[int | None, typer.Option(min=1, help="Agent steps. [default: the level's own]")] = None,
+    seed: Annotated[int, typer.Option(min=0)] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")] = False,
+) -> None:
+    """How fast the level is explored, beside its bare physics, measured in one run."""
+    from reachtest.bench.speed import measure_speed
+
+    figures = measure_speed(level, steps, seed).document()
+    if as_json:
+        print(json.dumps(figures))
+    else:
+        width = max(map(len, figures))
+        for name, value in figures.items():
+            print(
+                f"{name.ljust(width)}  {value:>12,.{2 if value < 100 and isinstance(value, float) else 0}f}"
+            )
 
 
 @app.command()

@@ -30,7 +30,6 @@ STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight 
 class _Clock:
     began: float
     physics_s: float = 0.0
-    cache_s: float = 0.0
 
 
 class Explorer:
@@ -59,8 +58,8 @@ class Explorer:
         while (stop := self._should_stop()) is None:
             self._one_round()
         wall = time.monotonic() - self._clock.began
-        physics, cache = self._clock.physics_s, self._clock.cache_s
         ledger = self._ledger
+        physics, cache = self._clock.physics_s, ledger.cache_s
         once, twice, cells = ledger.visits.incidence()
         return Exploration(
             points=ledger.archive.points(),
@@ -81,6 +80,11 @@ class Explorer:
             timing={"wall_s": wall, "physics_s": physics, "cache_s": cache, "rest_s": wall - physics - cache},
         )
 
+    @property
+    def bytes_per_point(self) -> int:
+        """What a cached point takes outside the tree: its position, and what goes with it."""
+        return self._ledger.archive.bytes_per_point + 3 * 8
+
     def _should_stop(self) -> StopReason | None:
         s = self._settings
         if self._ledger.steps >= s.steps:
@@ -99,10 +103,8 @@ class Explorer:
         parents = self._draw_starts()
         began = time.monotonic()
         rolled = roll_out(self._simulator, self._ledger.states_of(parents), np.stack(streams, axis=1))
-        simulated = time.monotonic()
+        self._clock.physics_s += time.monotonic() - began
         new = self._ledger.record(rolled, parents)
-        self._clock.physics_s += simulated - began
-        self._clock.cache_s += time.monotonic() - simulated
         self._tell(rolled, new)
 
     def _draw_starts(self) -> Ints:

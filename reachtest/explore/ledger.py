@@ -5,6 +5,7 @@ Shape legend: B agents, T agent steps of a round, M starts an agent, P cached po
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,6 +44,7 @@ class Ledger:
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self._goals = self._all_goals(level)
         self.falls: list[Fall] = []
+        self.cache_s = 0.0  # wall-clock time in the cache
         self.rounds = self.steps = self.episodes = self.diverged = 0
 
     @property
@@ -80,7 +82,9 @@ class Ledger:
         valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
         flat = rolled.positions.reshape(-1, 3)[valid]
         self.visits.add(flat, episode.ravel()[valid])
+        began = time.monotonic()
         order = valid[self._cache.insert(flat)]
+        self.cache_s += time.monotonic() - began
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
         trails = self._trails(rolled, new)
         self._append(rolled, parents, new, trails)

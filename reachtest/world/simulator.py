@@ -69,6 +69,16 @@ class MujocoSimulator:
         return len(self._footing)
 
     @property
+    def threads(self) -> int:
+        """Threads that simulate."""
+        return self._batch.nthread
+
+    @property
+    def tiles_compiled(self) -> int:
+        """Compilations so far; more than there are tiles where memory was short."""
+        return self._models.compiled
+
+    @property
     def step_s(self) -> float:
         """Simulated time of one agent step [s]."""
         return self._dt * self._repeat
@@ -103,6 +113,16 @@ class MujocoSimulator:
             on_ground = self._footing > 0
             stood[on_ground] = self._position[on_ground]
         return StepResult(self._position.copy(), on_ground, stood, self._ended())
+
+    def coast(self, push: Floats) -> None:
+        """One agent step of bare physics under accelerations `push` [B, 3] [m/s2]: what speed is measured against.
+
+        The same tiles, no controller; the states are not to be used.
+        """
+        for _ in range(self._repeat):
+            self._enter_tiles()
+            np.multiply(push, MASS_KG, out=self._force)
+            self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
 
     # --- one control tick -------------------------------------------------------------------------
 

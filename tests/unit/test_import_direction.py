@@ -11,7 +11,7 @@ import reachtest
 
 PACKAGE = Path(reachtest.__file__).parent
 STAGES = ("levels", "world", "explore", "findings", "logs", "report")
-WIRING = {"reachtest.pipeline", "reachtest.cli"}
+WIRING = {"reachtest.pipeline", "reachtest.cli", "reachtest.bench.speed"}
 SHARED = {"reachtest", "reachtest.records", "reachtest.interfaces", "reachtest.errors", "reachtest.geometry"}
 MODULES = {
     ".".join(("reachtest", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path

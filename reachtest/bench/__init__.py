@@ -1,0 +1,1 @@
+"""Measures reachtest itself: how fast it is on a level."""

@@ -1,0 +1,106 @@
+"""How fast a level is explored, beside what the bare physics of the same tiles would take, in one run."""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from reachtest.explore import Explorer
+from reachtest.geometry import SurfaceIndex
+from reachtest.levels import load_level
+from reachtest.records import Floats, Level
+from reachtest.world import MujocoSimulator
+
+PUSH_MPS2 = 15.0  # random controls: about what it takes to walk
+
+
+@dataclass(frozen=True)
+class Speed:
+    """One measurement."""
+
+    agent_steps: int
+    agent_steps_per_s: float  # of the whole exploration
+    physics_steps_per_s_per_core: float  # likewise
+    bare_physics_agent_steps_per_s: float  # `Batch.step` with random controls, nothing else
+    bare_physics_steps_per_s_per_core: float
+    explorer_over_physics: float
+    cache_us_per_step: float  # checking and inserting
+    bytes_per_point: int  # outside the tree
+    peak_rss_mb: float
+    first_step_s: float  # from reading the level on
+    tiles_compiled: int
+    positions: int
+    goals_reached: int
+    goals_total: int
+    threads: int
+
+    def document(self) -> dict[str, float]:
+        """The JSON object."""
+        return asdict(self)
+
+
+def measure_speed(path: Path, steps: int | None = None, seed: int = 0) -> Speed:
+    """Explore the level at `path`, then step as many agents of the places found. Raises BadInput."""
+    began = time.perf_counter()
+    level = load_level(path, {"explore": {"steps": steps}} if steps else {})
+    settings = level.explore
+    surface = SurfaceIndex(level.navmesh.triangles, settings.expected_within_m)
+    simulator = MujocoSimulator(level, settings.lanes)
+    explorer = Explorer(level, simulator, surface, seed)
+    _first_step(level, simulator)
+    first_step_s = time.perf_counter() - began
+    begin = time.perf_counter()
+    found = explorer.run()
+    rate = found.agent_steps / (time.perf_counter() - begin)
+    bare = _bare_rate(simulator, found.points.states, found.agent_steps, settings.reset_interval)
+    per_core = settings.action_repeat / simulator.threads
+    return Speed(
+        agent_steps=found.agent_steps,
+        agent_steps_per_s=rate,
+        physics_steps_per_s_per_core=rate * per_core,
+        bare_physics_agent_steps_per_s=bare,
+        bare_physics_steps_per_s_per_core=bare * per_core,
+        explorer_over_physics=rate / bare,
+        cache_us_per_step=found.timing["cache_s"] / found.agent_steps * 1e6,
+        bytes_per_point=explorer.bytes_per_point,
+        peak_rss_mb=_peak_rss_mb(),
+        first_step_s=first_step_s,
+        tiles_compiled=simulator.tiles_compiled,
+        positions=len(found.points),
+        goals_reached=int((found.goal_step >= 0).sum()),
+        goals_total=len(found.goals),
+        threads=simulator.threads,
+    )
+
+
+def _first_step(level: Level, simulator: MujocoSimulator) -> None:
+    spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
+    everyone = np.arange(simulator.agents)
+    simulator.restore(everyone, spawns[everyone % len(spawns)])
+    simulator.step(np.zeros((simulator.agents, 2), dtype=np.int8))
+
+
+def _bare_rate(simulator: MujocoSimulator, states: Floats, agent_steps: int, interval: int) -> float:
+    """Agent steps a second of `MujocoSimulator.coast` from states [P, S], set anew every `interval` steps."""
+    rng = np.random.default_rng(0)
+    everyone = np.arange(simulator.agents)
+    rounds = max(1, min(agent_steps, 200_000) // (interval * len(everyone)))
+    spent = 0.0
+    for _ in range(rounds):
+        simulator.restore(everyone, states[rng.integers(len(states), size=len(everyone))])
+        pushes = rng.normal(0.0, PUSH_MPS2, (interval, len(everyone), 3)) * [1.0, 1.0, 0.0]
+        begin = time.perf_counter()
+        for push in pushes:
+            simulator.coast(push)
+        spent += time.perf_counter() - begin
+    return rounds * interval * len(everyone) / spent
+
+
+def _peak_rss_mb() -> float:
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1024)  # bytes there, kB on Linux
