@@ -11,7 +11,8 @@ from reachtest.records import Candidates, Fall, Floats, Ints, ReplayPath, Report
 
 
 class Simulator(Protocol):
-    """Simulates B agents that cannot touch each other; states are opaque rows of float64."""
+    """Simulates B agents that cannot touch each other; states are rows of float64 that begin with
+    the position [3] and are opaque otherwise."""
 
     @property
     def agents(self) -> int:

@@ -271,7 +271,7 @@ class Candidates:
 
     visits: Ints  # [P] episodes that visited the point's cell: n(s)
     goal_distance: Floats  # [P] to the nearest open goal [m]; infinite when none is open
-    off_mesh_m: Floats  # [P] distance to the nav-mesh surface; infinite beyond `expected_within_m`
+    off_mesh_m: NDArray[np.floating]  # [P] distance to the nav-mesh; infinite beyond `expected_within_m`
     expected_within_m: float
     grounded: Bools  # [P]
 

@@ -30,7 +30,7 @@ class Speed:
     bare_physics_steps_per_s_per_core: float
     explorer_over_physics: float
     cache_us_per_step: float  # checking and inserting
-    bytes_per_point: int  # outside the tree
+    bytes_per_point: float  # outside the tree
     peak_rss_mb: float
     first_step_s: float  # from reading the level on
     tiles_compiled: int

@@ -1,4 +1,4 @@
-"""The columns that go with the position cache: what every cached point needs to be restarted and replayed.
+"""What goes with the position cache: all that a cached point needs to be restarted and replayed, in few bytes.
 
 Shape legend: P cached points, n new ones, S state size.
 """
@@ -8,38 +8,75 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reachtest.explore.cache import PositionCache
 from reachtest.records import Bools, Floats, Ints, Points
 
-OWN = ("cell", "hopeless", "footing")  # for the exploration alone
+_OWN = -1  # a place that is the point's own position
+
+
+class Places:
+    """A place [3] for every point. Most are the point's own position or the one before's: those cost 4 bytes."""
+
+    def __init__(self) -> None:
+        self._places = np.empty((256, 3), dtype=np.float32)  # half a millimetre at 5 km: it is for reports
+        self._count = 0
+
+    def add(self, places: Floats, positions: Floats) -> NDArray[np.int32]:
+        """References [n] to `places` [n, 3] (NaN where unknown) of points at `positions` [n, 3]."""
+        refs = np.full(len(places), _OWN, dtype=np.int32)
+        other = np.flatnonzero((places != positions).any(axis=1))
+        distinct, which = np.unique(places[other].astype(np.float32), axis=0, return_inverse=True)
+        while self._count + len(distinct) > len(self._places):
+            self._places = np.concatenate([self._places, np.empty_like(self._places)])
+        self._places[self._count : self._count + len(distinct)] = distinct
+        refs[other] = self._count + which.reshape(-1)
+        self._count += len(distinct)
+        return refs
+
+    def get(self, refs: NDArray[np.int32], positions: Floats) -> Floats:
+        """The places [n, 3] behind references [n]."""
+        return np.where((refs == _OWN)[:, None], positions, self._places[refs])
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of what is stored."""
+        return self._count * self._places.itemsize * 3
 
 
 class Archive:
-    """Grows by batches; never changes what it holds."""
+    """Grows by batches; never changes what it holds. Row i belongs to point i of the cache."""
 
-    def __init__(self, state_size: int) -> None:
-        self._count = 0
+    def __init__(self, cache: PositionCache, state_size: int) -> None:
+        self._cache, self._count = cache, 0
+        self._footings, self._exits = Places(), Places()
         self._columns: dict[str, NDArray[np.generic]] = {
-            "positions": np.empty((1024, 3)),
-            "states": np.empty((1024, state_size)),
+            "motion": np.empty((1024, state_size - 3)),  # the state but for the position it begins with
             "grounded": np.empty(1024, dtype=np.bool_),
             "parent": np.empty(1024, dtype=np.int32),
             "round": np.empty(1024, dtype=np.int32),
             "agent": np.empty(1024, dtype=np.int32),
             "start": np.empty(1024, dtype=np.int16),
             "step": np.empty(1024, dtype=np.int16),
-            "off_mesh_m": np.empty(1024),
-            "footing": np.empty((1024, 3)),
-            "exit_point": np.empty((1024, 3)),
-            "cell": np.empty(1024, dtype=np.int64),
+            "off_mesh_m": np.empty(1024, dtype=np.float32),
+            "footing": np.empty(1024, dtype=np.int32),
+            "exit_point": np.empty(1024, dtype=np.int32),
+            "cell": np.empty(1024, dtype=np.int32),
             "hopeless": np.empty(1024, dtype=np.bool_),
         }
 
     def __len__(self) -> int:
         return self._count
 
-    def append(self, **rows: NDArray[np.generic]) -> None:
-        """Add n rows; every column must be given."""
-        n = len(rows["positions"])
+    def append(
+        self, states: Floats, footing: Floats, exit_point: Floats, **rows: NDArray[np.generic]
+    ) -> None:
+        """Add n rows: `states` [n, S], where the character last stood and left the nav-mesh [n, 3], and the rest."""
+        n, positions = len(states), states[:, :3]
+        rows |= {
+            "motion": states[:, 3:],
+            "footing": self._footings.add(footing, positions),
+            "exit_point": self._exits.add(exit_point, positions),
+        }
         for name, column in self._columns.items():
             while self._count + n > len(column):
                 column = np.concatenate([column, np.empty_like(column)])
@@ -47,52 +84,62 @@ class Archive:
             column[self._count : self._count + n] = rows[name]
         self._count += n
 
-    @property
-    def states(self) -> Floats:
-        """[P, S]"""
-        return self._float("states")
+    def states_of(self, points: Ints) -> Floats:
+        """The states [n, S] of cached points [n]."""
+        return np.concatenate([self._cache.positions[points], self._columns["motion"][points]], axis=1)
 
-    @property
-    def footings(self) -> Floats:
-        """Where the character last stood [P, 3]; NaN if it has not yet."""
-        return self._float("footing")
+    def footing_of(self, point: int) -> Floats:
+        """Where the character last stood [3]."""
+        return self._place(self._footings, "footing", point)
 
-    @property
-    def exit_points(self) -> Floats:
-        """[P, 3]"""
-        return self._float("exit_point")
+    def exit_of(self, point: int) -> Floats:
+        """Where the character last stood at an expected position [3]; NaN if it did not yet."""
+        return self._place(self._exits, "exit_point", point)
 
     @property
     def grounded(self) -> Bools:
         """[P]"""
-        return np.asarray(self._columns["grounded"][: self._count], dtype=np.bool_)
+        return np.asarray(self._column("grounded"), dtype=np.bool_)
 
     @property
-    def off_mesh_m(self) -> Floats:
+    def off_mesh_m(self) -> NDArray[np.float32]:
         """Distance to the nav-mesh [P] [m], infinite where unexpected."""
-        return self._float("off_mesh_m")
+        return np.asarray(self._column("off_mesh_m"), dtype=np.float32)
 
     @property
     def hopeless(self) -> Bools:
         """Points [P] that nothing can come of: in the air with nothing beneath."""
-        return np.asarray(self._columns["hopeless"][: self._count], dtype=np.bool_)
+        return np.asarray(self._column("hopeless"), dtype=np.bool_)
 
     @property
-    def cells(self) -> Ints:
+    def cells(self) -> NDArray[np.int32]:
         """Visit cells [P]"""
-        return np.asarray(self._columns["cell"][: self._count], dtype=np.int64)
+        return np.asarray(self._column("cell"), dtype=np.int32)
 
     @property
-    def bytes_per_point(self) -> int:
-        """What a cached point takes outside the tree."""
-        return sum(int(column.nbytes // len(column)) for column in self._columns.values())
+    def bytes_per_point(self) -> float:
+        """What a cached point takes outside the tree, its position in the cache included."""
+        places = (self._footings.nbytes + self._exits.nbytes) / max(self._count, 1)
+        fixed = sum(column.nbytes / len(column) for column in self._columns.values())
+        return fixed + places + self._cache.positions.itemsize * 3
 
     def points(self) -> Points:
         """Everything as one frozen record."""
-        rows = {
-            name: column[: self._count].copy() for name, column in self._columns.items() if name not in OWN
-        }
-        return Points(**rows)  # type: ignore[arg-type]  # one dict of columns of several dtypes
+        everything = np.arange(self._count)
+        positions = self._cache.positions.copy()
+        exits = self._column("exit_point").astype(np.int32)
+        names = ("grounded", "parent", "round", "agent", "start", "step")
+        return Points(
+            positions=positions,
+            states=self.states_of(everything),
+            off_mesh_m=self.off_mesh_m.astype(np.float64),
+            exit_point=self._exits.get(exits, positions),
+            **{name: self._column(name).copy() for name in names},  # type: ignore[arg-type]  # several dtypes
+        )
 
-    def _float(self, name: str) -> Floats:
-        return np.asarray(self._columns[name][: self._count], dtype=np.float64)
+    def _column(self, name: str) -> NDArray[np.generic]:
+        return self._columns[name][: self._count]
+
+    def _place(self, places: Places, name: str, point: int) -> Floats:
+        refs = self._columns[name][point : point + 1].astype(np.int32)
+        return places.get(refs, self._cache.positions[point : point + 1])[0]

@@ -81,9 +81,9 @@ class Explorer:
         )
 
     @property
-    def bytes_per_point(self) -> int:
-        """What a cached point takes outside the tree: its position, and what goes with it."""
-        return self._ledger.archive.bytes_per_point + 3 * 8
+    def bytes_per_point(self) -> float:
+        """What a cached point takes outside the tree."""
+        return self._ledger.archive.bytes_per_point
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings

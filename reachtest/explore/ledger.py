@@ -6,6 +6,7 @@ Shape legend: B agents, T agent steps of a round, M starts an agent, P cached po
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +26,7 @@ class _Trail:
     """A kind of position to look back for: in the episode under way, else at its parent, else at its spawn."""
 
     positions: Floats  # [T, B, 3] NaN where there is none
-    archived: Floats  # [P, 3]
+    archived: Callable[[int], Floats]  # of a cached point [3]
     spawned: Floats  # [S, 3]
 
 
@@ -39,7 +40,7 @@ class Ledger:
         self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
         self._cache = PositionCache(s.threshold_m)
         self._columns = ColumnIndex(level.collision)
-        self.archive = Archive(spawns.shape[1])
+        self.archive = Archive(self._cache, spawns.shape[1])
         self.visits = VisitCounts(s.threshold_m)
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self._goals = self._all_goals(level)
@@ -72,7 +73,7 @@ class Ledger:
         spawned = parents < 0
         states = np.empty((*parents.shape, self._spawns.shape[1]))
         states[spawned] = self._spawns[-1 - parents[spawned]]
-        states[~spawned] = self.archive.states[parents[~spawned]]
+        states[~spawned] = self.archive.states_of(parents[~spawned])
         return states
 
     def record(self, rolled: Trajectories, parents: Ints) -> Ints:
@@ -109,7 +110,6 @@ class Ledger:
             for trail in trails
         )
         self.archive.append(
-            positions=positions,
             states=rolled.states[t, b],
             grounded=rolled.grounded[t, b],
             parent=parents[rolled.which[t, b], b],
@@ -130,8 +130,8 @@ class Ledger:
         on_mesh = np.isfinite(self._distances(rolled.stood, np.union1d(new[:, 1], fell)))
         unknown = np.full_like(self._spawn_positions, np.nan)
         return (
-            _Trail(rolled.stood, self.archive.footings, self._spawn_positions),
-            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exit_points, unknown),
+            _Trail(rolled.stood, self.archive.footing_of, self._spawn_positions),
+            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exit_of, unknown),
         )
 
     def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: int, b: int) -> Floats:
@@ -141,7 +141,7 @@ class Ledger:
         if len(hits):
             return trail.positions[begin + hits[-1], b]
         parent = int(parents[rolled.which[t, b], b])
-        return trail.archived[parent] if parent >= 0 else trail.spawned[-1 - parent]
+        return trail.archived(parent) if parent >= 0 else trail.spawned[-1 - parent]
 
     def _note_ends(self, rolled: Trajectories, parents: Ints, trails: tuple[_Trail, _Trail]) -> None:
         """Count the round's episodes and remember its falls."""

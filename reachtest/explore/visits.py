@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reachtest.records import Floats, Ints
 
@@ -31,7 +32,7 @@ class VisitCounts:
         """Cell ids [n] of `positions` [n, 3], for `of`."""
         return self._ids(self._keys(positions))
 
-    def of(self, cells: Ints) -> Ints:
+    def of(self, cells: NDArray[np.integer]) -> Ints:
         """Episodes that visited each of `cells` [n]."""
         return self._counts[cells]
 

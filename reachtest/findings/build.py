@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from reachtest.records import Fall, Finding, Floats, Ints, ReplayPath
 ERRORS = frozenset(
     {"unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "stuck", "required_unreached"}
 )
+_SAME_FLIGHT_M = 1.0
 _ID_GRID_M = 8.0  # coarse, so that the same bug seen a little elsewhere keeps its id
 
 
@@ -64,7 +66,7 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
 def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
     """What to show of a cluster: its evidence with the shortest known way from a spawn."""
     if cluster.falls:
-        fall = min(cluster.falls, key=evidence.steps_of_fall)
+        fall = min(_from_the_edge(cluster.falls), key=evidence.steps_of_fall)
         first = min(evidence.seen_step(fall.origin) for fall in cluster.falls)
         path = evidence.replayer.path_to_fall(fall)
         return _Sight(fall.footing, _known(fall.exit_point), first, path)
@@ -81,6 +83,12 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
     middle = cluster.places.mean(axis=0)
     nearest = np.linalg.norm(cluster.places - middle, axis=1).argmin()
     return _Sight(cluster.places[nearest], None, None, None)
+
+
+def _from_the_edge(falls: Sequence[Fall]) -> list[Fall]:
+    """The falls that flew hardly farther than any: who jumps out of a hole's reach shows its edge badly."""
+    flown = np.array([np.hypot(*(fall.position - fall.footing)[:2]) for fall in falls])
+    return [fall for fall, far in zip(falls, flown, strict=True) if far <= flown.min() + _SAME_FLIGHT_M]
 
 
 def _known(exit_point: Floats) -> Floats | None:

@@ -39,7 +39,7 @@ def yard(folder: Path, closed: bool, extra: str = "") -> Path:
         "  - {name: floor, box: {center: [0, -0.5, 0], size: [14, 1, 14]}}\n"
         + "\n".join(lines)
         + "\nnavmesh: {mesh: nav.obj}\ncharacter: unreal\nspawns: [[0, 0.02, 0]]\n"
-        + "explore: {steps: 6000, goal_spacing_m: 3}\n"
+        + "explore: {steps: 12000, goal_spacing_m: 3}\n"
         + extra
     )
     return file
@@ -86,7 +86,7 @@ def test_json_is_all_of_stdout_and_threads_change_nothing(open_yard, tmp_path) -
         reports.append(json.loads(done.stdout))
         del reports[-1]["timing"]
     assert reports[0] == reports[1]
-    assert reports[0]["config"]["explore"]["steps"] == 6000
+    assert reports[0]["config"]["explore"]["steps"] == 12000
     other = json.loads(reachtest("run", open_yard, "--json", "--seed", 1, "--out", tmp_path / "3").stdout)
     assert other["positions"] != reports[0]["positions"] or other["findings"] != reports[0]["findings"]
 
