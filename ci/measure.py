@@ -9,6 +9,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,14 @@ from scipy.spatial import cKDTree
 from reachtest.explore import Explorer
 from reachtest.geometry import SurfaceIndex
 from reachtest.levels import load_level
+from reachtest.records import Exploration, Level, Points, Spawn
 from reachtest.world import MujocoSimulator
 
 ROOT = Path(__file__).resolve().parent.parent
 OPEN_LEVELS = ("demo_level", "three_pathfinding", "tut3d", "nav_test")
 SEALED_LEVELS = ("oa_dm1",)
 SHARED = ROOT.parent / "shared/levels"
+AGREEMENT_STEPS = 300_000
 FALL_M, CELL_M = 2.0, 1.5  # a fall at the same edge; a floor at a cell border flips cells
 FOOTING_M = 3.0  # a footing of the reference character this near to ours is the same edge
 
@@ -106,28 +109,61 @@ def _near_reference(name: str, fell: list[dict[str, Any]]) -> str:
 
 
 def agreement() -> None:
-    """Where the reference character stood and fell, against where ours did in one run of seed 0."""
-    print("| level | moves | falls | its footings near ours | its cells ours reached | ours in its cells |")
-    print("|---|---|---|---|---|---|")
-    for name in ("demo_level", "tut3d", "nav_test", "oa_dm1"):
-        _agreement_on(name)
+    """Where the reference character stood and fell, against ours: same capsule, spawn and speeds, seed 0."""
+    print(
+        "| level | moves | still growing | falls | its footings near | its cells ours reached | ours it reached |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    for file in sorted(SHARED.glob("*/jolt_reach.*.json")):
+        _agreement_with(file)
 
 
-def _agreement_on(name: str) -> None:
-    level = load_level(ROOT / "maps/real" / name / "level.yaml")
-    surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
-    found = Explorer(level, MujocoSimulator(level, level.explore.lanes), surface, 0).run()
-    stood = cKDTree(found.points.positions[found.points.grounded])
+def _agreement_with(file: Path) -> None:
+    name, moves = file.parent.name, file.name.split(".")[1]
+    theirs = json.loads(file.read_text())
+    level = _as_the_reference(load_level(ROOT / "maps/real" / name / "level.yaml"), theirs)
+    found = _explored(level)
+    stood = found.points.positions[found.points.grounded]
     footings = np.array([fall.footing for fall in found.falls]).reshape(-1, 3)
-    for moves in ("walk", "jump"):
-        theirs = json.loads((SHARED / name / f"jolt_reach.{moves}.json").read_text())
-        cells = level.frame.to_level(np.array(theirs["standing_cells_1m"]) + 0.5)
-        exits = level.frame.to_level(np.array(theirs["exit_footings"]).reshape(-1, 3))
-        near = cKDTree(footings).query(exits)[0] <= FALL_M if len(footings) else np.zeros(len(exits))
-        reached = np.mean(stood.query(cells)[0] <= CELL_M)
-        known = np.mean(cKDTree(cells).query(stood.data)[0] <= CELL_M)
-        row = f"| {name} | {moves} | {len(footings)} | {np.sum(near):.0f} of {len(exits)} |"
-        print(f"{row} {reached:.0%} | {known:.0%} |", flush=True)
+    cells = level.frame.to_level(np.array(theirs["standing_cells_1m"]) + 0.5)
+    exits = level.frame.to_level(np.array(theirs["exit_footings"]).reshape(-1, 3))
+    near = cKDTree(footings).query(exits)[0] <= FALL_M if len(footings) else np.zeros(len(exits))
+    reached = np.mean(cKDTree(stood).query(cells)[0] <= CELL_M)
+    known = np.mean(cKDTree(cells).query(stood)[0] <= CELL_M)
+    row = f"| {name} | {moves} | {_growth(found.points):.1%} | {len(footings)} | {np.sum(near):.0f} of {len(exits)} |"
+    print(f"{row} {reached:.1%} | {known:.1%} |", flush=True)
+    if folder := os.environ.get("REACHTEST_KEEP"):  # to look at the places afterwards
+        np.savez(
+            Path(folder) / f"{name}-{moves}.npz", stood=stood, cells=cells, footings=footings, exits=exits
+        )
+
+
+def _as_the_reference(level: Level, theirs: dict[str, Any]) -> Level:
+    capsule = theirs["capsule"]
+    character = replace(
+        level.character,
+        radius_m=capsule["radius"],
+        height_m=capsule["height"],
+        step_height_m=capsule["step"],
+        slope_limit_deg=capsule["slope_deg"],
+        walk_speed_mps=theirs["speed"],
+        jump_speed_mps=theirs["jump_speed"],
+        gravity_mps2=theirs["gravity"],
+    )
+    spawn = Spawn("reference", level.frame.to_level(np.array(theirs["spawn"])))
+    return replace(level, character=character, spawns=(spawn,), required=())
+
+
+def _explored(level: Level) -> Exploration:
+    level = replace(level, explore=replace(level.explore, steps=AGREEMENT_STEPS))
+    surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
+    return Explorer(level, MujocoSimulator(level, level.explore.lanes), surface, 0).run()
+
+
+def _growth(points: Points) -> float:
+    """Share of the standing places that the last fifth of the run brought: small where it is saturated."""
+    late = points.round >= 0.8 * points.round.max()
+    return float(late[points.grounded].mean())
 
 
 def threads() -> None:

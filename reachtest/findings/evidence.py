@@ -9,10 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import rtree
 
 from reachtest.geometry import inside_closed_surface
 from reachtest.interfaces import Replayer
 from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin, Zone
+
+_SAME_M = 1e-3  # parts as near as this are equally near
 
 
 @dataclass(frozen=True)
@@ -73,12 +76,28 @@ class Evidence:
         if not self.level.parts:
             return None
 
-        def rank(index: int) -> tuple[float, float]:
-            part = self.level.parts[index]
-            away = np.maximum(np.maximum(part.low - position, position - part.high), 0.0)
-            return round(float(np.linalg.norm(away)), 3), float(np.prod(part.high - part.low + 0.01))
+        nearest = next(self._part_boxes.nearest((*position, *position), 1))
+        reach = self._away(nearest, position) + 2 * _SAME_M
+        near = self._part_boxes.intersection((*(position - reach), *(position + reach)))
 
-        return self.level.parts[min(range(len(self.level.parts)), key=rank)].name
+        def rank(index: int) -> tuple[float, float, int]:
+            part = self.level.parts[index]
+            away = round(self._away(index, position) / _SAME_M)
+            return away, float(np.prod(part.high - part.low + 0.01)), index
+
+        return self.level.parts[min(near, key=rank)].name
+
+    @cached_property
+    def _part_boxes(self) -> rtree.index.Index:
+        """The parts' boxes in an R*-tree: a city has thousands."""
+        properties = rtree.index.Property(dimension=3, variant=rtree.index.RT_Star)
+        boxes = ((i, (*part.low, *part.high), None) for i, part in enumerate(self.level.parts))
+        return rtree.index.Index(boxes, properties=properties)
+
+    def _away(self, index: int, position: Floats) -> float:
+        """Distance of `position` [3] from the box of a part [m]."""
+        part = self.level.parts[index]
+        return float(np.linalg.norm(np.maximum(np.maximum(part.low - position, position - part.high), 0.0)))
 
 
 def inside_zone(positions: Floats, zone: Zone) -> Bools:

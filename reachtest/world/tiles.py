@@ -21,7 +21,7 @@ from reachtest.world.model import PRISM_M, SKIN_M
 
 TARGET_TRIANGLES = 384  # half of it takes twice the tiles to compile and steps no faster: measured
 SMALLEST = 1.0  # a box is cut while it is this much larger than its margins: else both halves hold the same
-MODELS_MB = 512.0  # of compiled tiles kept, least recently used first to go
+MODELS_MB = 1536.0  # of compiled tiles kept, least recently used first to go
 
 
 @dataclass(frozen=True)
