@@ -15,6 +15,7 @@ import numpy as np
 from reachtest.errors import BadInput, Problem
 from reachtest.levels.fields import nearest
 from reachtest.levels.frames import make_frame
+from reachtest.levels.read_detour import read_detour
 from reachtest.levels.read_gltf import external_files, read_glb, read_gltf
 from reachtest.levels.read_mjcf import read_mjcf
 from reachtest.levels.read_obj import read_obj
@@ -35,9 +36,16 @@ MESH_READERS: dict[str, MeshReader] = {
 }
 """One new file and one line to add one."""
 
-NAVMESH_READERS: dict[str, MeshReader] = {".obj": read_obj, ".glb": read_glb, ".gltf": read_gltf}
+NAVMESH_READERS: dict[str, MeshReader] = {
+    ".obj": read_obj,
+    ".glb": read_glb,
+    ".gltf": read_gltf,
+    ".bin": read_detour,
+    ".navmesh": read_detour,
+}
 
 FORMAT_UP_AXIS = {".glb": "y", ".gltf": "y", ".xml": "z"}  # glTF 2.0, section 3.4: +Y up; MuJoCo: z up
+FORMAT_UP_AXIS |= {".bin": "y", ".navmesh": "y"}  # Recast takes y for up, whatever the engine around it does
 FORMAT_UNITS = {".xml": "m"}  # MuJoCo's default gravity and density are in SI units
 
 THINNEST_M = 1e-6  # below the resolution of 32-bit coordinates in any level: no surface, only rounding
