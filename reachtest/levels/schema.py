@@ -39,7 +39,9 @@ class MeshSpec(Spec):
     mesh: Name | None = Field(None, description="Mesh file, relative to this file.")
     up_axis: UpAxis | None = Field(
         None,
-        description="The axis that points up in the mesh. Default: y for glTF and Detour, z for MJCF, else the frame's.",
+        description=(
+            "The axis that points up in the mesh. Default: y for glTF and Detour, z for MJCF, else the frame's."
+        ),
     )
     units: Units | None = Field(None, description="Units of the mesh. Default: m for MJCF, else the frame's.")
     scale: float = Field(1.0, gt=0, le=1e6, description="Factor on the mesh's numbers.")
