@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from reachtest.explore import Explorer
 from reachtest.geometry import SurfaceIndex
 from reachtest.levels import load_level
-from reachtest.records import Exploration, Level, Points, Spawn
+from reachtest.records import Exploration, Floats, Level, Points, Spawn, StepResult
 from reachtest.world import MujocoSimulator
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -122,8 +123,7 @@ def _agreement_with(file: Path) -> None:
     name, moves = file.parent.name, file.name.split(".")[1]
     theirs = json.loads(file.read_text())
     level = _as_the_reference(load_level(ROOT / "maps/real" / name / "level.yaml"), theirs)
-    found = _explored(level)
-    stood = found.points.positions[found.points.grounded]
+    found, stood = _explored(level)
     footings = np.array([fall.footing for fall in found.falls]).reshape(-1, 3)
     cells = level.frame.to_level(np.array(theirs["standing_cells_1m"]) + 0.5)
     exits = level.frame.to_level(np.array(theirs["exit_footings"]).reshape(-1, 3))
@@ -154,10 +154,30 @@ def _as_the_reference(level: Level, theirs: dict[str, Any]) -> Level:
     return replace(level, character=character, spawns=(spawn,), required=())
 
 
-def _explored(level: Level) -> Exploration:
+class _Standing(MujocoSimulator):
+    """Remembers everywhere somebody stood: the cache alone keeps points a metre apart, also of those in the air."""
+
+    stood: Floats = np.empty((0, 3))
+
+    def step(self, actions: NDArray[np.int8]) -> StepResult:
+        result = super().step(actions)
+        some = result.stood[np.isfinite(result.stood[:, 0])]
+        self.stood = np.concatenate([self.stood, some])
+        if len(self.stood) > 200_000:
+            self.stood = self.places()
+        return result
+
+    def places(self) -> Floats:
+        """One position of every cell of a quarter of a metre [n, 3]."""
+        _, first = np.unique(np.floor(self.stood * 4), axis=0, return_index=True)
+        return self.stood[first]
+
+
+def _explored(level: Level) -> tuple[Exploration, Floats]:
     level = replace(level, explore=replace(level.explore, steps=AGREEMENT_STEPS))
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
-    return Explorer(level, MujocoSimulator(level, level.explore.lanes), surface, 0).run()
+    simulator = _Standing(level, level.explore.lanes)
+    return Explorer(level, simulator, surface, 0).run(), simulator.places()
 
 
 def _growth(points: Points) -> float:

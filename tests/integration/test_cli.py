@@ -162,3 +162,27 @@ def test_help_answers_within_a_second() -> None:
         return time.monotonic() - began
 
     assert sorted(once() for _ in range(3))[0] < 1.0
+
+
+def test_bench_speed_is_one_json_object_with_the_promised_keys(closed_yard) -> None:
+    done = reachtest("bench", "speed", closed_yard, "--steps", 4096, "--json")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads(done.stdout)
+    promised = (
+        "agent_steps_per_s physics_steps_per_s_per_core bare_physics_agent_steps_per_s explorer_over_physics"
+        " cache_us_per_step bytes_per_point peak_rss_mb first_step_s"
+    )
+    assert set(promised.split()) <= set(figures)
+    assert all(figures[key] > 0 for key in promised.split())
+    ratio = figures["agent_steps_per_s"] / figures["bare_physics_agent_steps_per_s"]
+    assert abs(figures["explorer_over_physics"] - ratio) < 1e-9
+    assert figures["bytes_per_point"] <= 100
+    table = reachtest("bench", "speed", closed_yard, "--steps", 4096)
+    assert all(key in table.stdout for key in promised.split())
+
+
+def test_bench_speed_of_a_level_with_mistakes_says_so(tmp_path) -> None:
+    (tmp_path / "level.yaml").write_text("version: 1\n")
+    done = reachtest("bench", "speed", tmp_path / "level.yaml")
+    assert done.returncode == 2
+    assert "problems in the input" in done.stderr
