@@ -9,24 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import mujoco
 import numpy as np
-from mujoco import batch
 from numpy.typing import NDArray
 
 from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
-from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, MASS_KG, build_model, usable_triangles
-from reachtest.world.tiles import MODELS_MB, TARGET_TRIANGLES, TileModels, margin_for, partition
+from reachtest.world.model import MASS_KG
+from reachtest.world.tiled_batch import TiledBatch
+from reachtest.world.tiles import MODELS_MB, TARGET_TRIANGLES
 
 STATE_SIZE = 7
 SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
 OVERLAP_M = 0.02  # deeper than any resting contact: a place that overlaps more is not free
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
 BLOCKED_COS = 0.25  # a velocity that points this much into an obstacle wants to step onto it
-_FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached, at no extra cost
 
 
 class MujocoSimulator:
@@ -48,19 +46,12 @@ class MujocoSimulator:
         self._bounds = level.bounds
         self._columns = ColumnIndex(level.collision, min_normal_z=0.05)
         self._controller = Controller(level.character, self._dt)
-        self._triangles = usable_triangles(level.collision)
-        self._partition = partition(self._triangles, margin_for(level.character, self._dt), tile_triangles)
-        self._models = TileModels(self._compile, tiles_mb)
-        self._tile = self._partition.find(np.broadcast_to(level.spawns[0].position, (agents, 3)))
-        model = self._models.get(int(self._tile[0]))
-        self._batch = batch.Batch(model, agents, nthread=threads, persistent=True)
-        self._position: Floats = self._batch.bind("qpos")
-        self._velocity: Floats = self._batch.bind("qvel")
-        self._force: Floats = self._batch.bind("qfrc_applied")
-        self._sensor: Floats = self._batch.bind("sensordata").reshape(agents, CONTACT_SLOTS, CONTACT_FIELDS)
+        starts = np.broadcast_to(level.spawns[0].position, (agents, 3))
+        self._batch = TiledBatch(
+            level.collision, level.character, self._dt, starts, threads, tile_triangles, tiles_mb
+        )
+        self._position, self._velocity = self._batch.position, self._batch.velocity
         self._footing = np.zeros(agents)
-        self._failed = np.zeros(agents, dtype=np.bool_)
-        self._batch.reset()
         self._contacts = self._read()
 
     @property
@@ -71,12 +62,12 @@ class MujocoSimulator:
     @property
     def threads(self) -> int:
         """Threads that simulate."""
-        return self._batch.nthread
+        return self._batch.threads
 
     @property
     def tiles_compiled(self) -> int:
         """Compilations so far; more than there are tiles where memory was short."""
-        return self._models.compiled
+        return self._batch.tiles_compiled
 
     @property
     def step_s(self) -> float:
@@ -91,13 +82,9 @@ class MujocoSimulator:
 
     def restore(self, agents: Ints, states: Floats) -> None:
         """Put `agents` [n] into `states` [n, 7]."""
-        self._batch.warning[agents] = 0
-        self._position[agents] = states[:, :3]
-        self._velocity[agents] = states[:, 3:6]
-        self._force[agents] = 0.0
+        self._batch.set_state(agents, states[:, :3], states[:, 3:6])
         self._footing[agents] = states[:, 6]
-        self._failed[agents] = False
-        self._enter_tiles()
+        self._batch.enter_tiles()
         self._refresh(agents)
 
     def save(self) -> Floats:
@@ -120,21 +107,22 @@ class MujocoSimulator:
         The same tiles, no controller; the states are not to be used.
         """
         for _ in range(self._repeat):
-            self._enter_tiles()
-            np.multiply(push, MASS_KG, out=self._force)
-            self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
+            self._batch.enter_tiles()
+            np.multiply(push, MASS_KG, out=self._batch.force)
+            self._batch.step()
 
     # --- one control tick -------------------------------------------------------------------------
 
     def _tick(self, stick: Stick) -> None:
         before = self._footing > 0
-        self._enter_tiles()
+        self._batch.enter_tiles()
         plan = self._controller.plan(self._velocity, self._contacts, before, stick)
         self._stop_at_floors(plan.velocity)
-        np.subtract(plan.velocity, self._velocity, out=self._force)
-        self._force *= MASS_KG / self._dt
-        self._force[:, 2] += MASS_KG * self.character.gravity_mps2
-        self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
+        force = self._batch.force
+        np.subtract(plan.velocity, self._velocity, out=force)
+        force *= MASS_KG / self._dt
+        force[:, 2] += MASS_KG * self.character.gravity_mps2
+        self._batch.step()
         self._contacts = contacts = self._read()
         walked = before & ~plan.jumped
         stands = self._controller.grounded(self._velocity, contacts, walked)
@@ -228,53 +216,28 @@ class MujocoSimulator:
             self._refresh(back)
         return ids[free]
 
-    # --- tiles and the batch ----------------------------------------------------------------------
-
-    def _compile(self, tile: int) -> mujoco.MjModel:
-        members = self._triangles[self._partition.members[tile]]
-        return build_model(members, self.character, self._dt, self._partition.capacity)
-
-    def _enter_tiles(self) -> None:
-        """Put everybody who left a tile onto the next; what they touch does not change by that."""
-        here, low, high = self._position, self._partition.low[self._tile], self._partition.high[self._tile]
-        ids = np.flatnonzero(~((here >= low) & (here < high)).all(axis=1))
-        if not len(ids):
-            return
-        self._tile[ids] = self._partition.find(here[ids])
-        self._batch.set_models([self._models.get(tile, self._tile) for tile in self._tile.tolist()])
-        # MjData keeps the poses of static geoms while they sleep: only a reset moves it to other ones. The
-        # reset also forgets warnings, and the state.
-        self._failed[ids] |= (self._batch.warning[ids, :, 1] > 0).any(axis=1)
-        kept = self._position[ids], self._velocity[ids]
-        self._batch.reset(ids, stage=mujoco.mjtStage.mjSTAGE_NONE)
-        self._position[ids], self._velocity[ids] = kept
+    # --- contacts ---------------------------------------------------------------------------------
 
     def _refresh(self, ids: Ints) -> None:
         """Contacts of states that were written from outside."""
-        self._call(lambda: self._batch.forward(ids, stage=_FRESH))
+        self._batch.touch(ids)
         self._contacts = self._read()
 
     def _read(self) -> Contacts:
-        return read_contacts(self._sensor, self._controller.slope_cos)
+        return read_contacts(self._batch.sensor, self._controller.slope_cos)
 
     def _deepest(self) -> Floats:
         """Signed distance [B] of the closest contact; positive where there is none."""
-        found = self._sensor[:, 0, 0] > 0
-        return np.where(found, self._sensor[:, 0, 1], np.inf)
-
-    def _call(self, run: Callable[[], None]) -> None:
-        try:
-            run()
-        except batch.SimulationError as error:
-            self._failed[error.ids] = True
+        found = self._batch.sensor[:, 0, 0] > 0
+        return np.where(found, self._batch.sensor[:, 0, 1], np.inf)
 
     def _ended(self) -> NDArray[np.int8]:
         position = self._position
         low, high = self._bounds
-        finite = np.isfinite(position).all(axis=1) & np.isfinite(self._velocity).all(axis=1)
-        diverged = self._failed | ~finite | (self._batch.warning[:, :, 1] > 0).any(axis=1)
         fell = (position[:, 2] < self._kill_z) | (position < low).any(axis=1) | (position > high).any(axis=1)
-        reason = np.where(diverged, EndReason.DIVERGED, np.where(fell, EndReason.FELL, EndReason.ALIVE))
+        reason = np.where(
+            self._batch.diverged(), EndReason.DIVERGED, np.where(fell, EndReason.FELL, EndReason.ALIVE)
+        )
         return reason.astype(np.int8)
 
 

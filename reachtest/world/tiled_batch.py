@@ -1,0 +1,102 @@
+"""A MuJoCo batch whose simulations each run on the tile they are in.
+
+Shape legend: B simulations, n chosen ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from reachtest.records import Bools, Character, Floats, Ints
+from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, build_model, usable_triangles
+from reachtest.world.tiles import TileModels, margin_for, partition
+
+_FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached, at no extra cost
+
+
+class TiledBatch:
+    """One capsule a simulation in one level; `position`, `velocity`, `force` and `sensor` are live arrays."""
+
+    def __init__(
+        self,
+        triangles: Floats,
+        character: Character,
+        timestep_s: float,
+        starts: Floats,
+        threads: int,
+        tile_triangles: int,
+        tiles_mb: float,
+    ) -> None:
+        """Cut `triangles` [F, 3, 3] into tiles; `starts` [B, 3] only says which to compile first."""
+        self._triangles, self._character, self._dt = usable_triangles(triangles), character, timestep_s
+        self._partition = partition(self._triangles, margin_for(character, timestep_s), tile_triangles)
+        self._models = TileModels(self._compile, tiles_mb)
+        self._tile = self._partition.find(starts)
+        models = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]
+        self._batch = batch.Batch(models[0], len(starts), nthread=threads, persistent=True)
+        self._batch.set_models(models)
+        self.position: Floats = self._batch.bind("qpos")  # [B, 3]
+        self.velocity: Floats = self._batch.bind("qvel")  # [B, 3]
+        self.force: Floats = self._batch.bind("qfrc_applied")  # [B, 3]
+        self.sensor: Floats = self._batch.bind("sensordata").reshape(-1, CONTACT_SLOTS, CONTACT_FIELDS)
+        self._failed = np.zeros(len(starts), dtype=np.bool_)
+        self._batch.reset()
+
+    @property
+    def tiles_compiled(self) -> int:
+        """Compilations so far; more than there are tiles where memory was short."""
+        return self._models.compiled
+
+    @property
+    def threads(self) -> int:
+        """Threads that simulate."""
+        return self._batch.nthread
+
+    def set_state(self, ids: Ints, position: Floats, velocity: Floats) -> None:
+        """Start simulations [n] afresh from positions and velocities [n, 3]; follow with `enter_tiles`."""
+        self._batch.warning[ids] = 0
+        self._failed[ids] = False
+        self.position[ids], self.velocity[ids], self.force[ids] = position, velocity, 0.0
+
+    def enter_tiles(self) -> None:
+        """Put everybody who left a tile onto the next; what they touch does not change by that."""
+        here, low, high = self.position, self._partition.low[self._tile], self._partition.high[self._tile]
+        ids = np.flatnonzero(~((here >= low) & (here < high)).all(axis=1))
+        if not len(ids):
+            return
+        self._tile[ids] = self._partition.find(here[ids])
+        self._batch.set_models([self._models.get(tile, self._tile) for tile in self._tile.tolist()])
+        # MjData keeps the poses of static geoms while they sleep: only a reset moves it to other ones. The
+        # reset also forgets warnings, and the state.
+        self._failed[ids] |= (self._batch.warning[ids, :, 1] > 0).any(axis=1)
+        kept = self.position[ids], self.velocity[ids]
+        self._batch.reset(ids, stage=mujoco.mjtStage.mjSTAGE_NONE)
+        self.position[ids], self.velocity[ids] = kept
+
+    def step(self) -> None:
+        """One physics step of everybody under `force`, and the contacts where it led."""
+        self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
+
+    def touch(self, ids: Ints) -> None:
+        """Contacts of states [n] that were written from outside."""
+        self._call(lambda: self._batch.forward(ids, stage=_FRESH))
+
+    def diverged(self) -> Bools:
+        """Which simulations [B] failed since `set_state`: an error, a warning, or numbers that are none."""
+        finite = np.isfinite(self.position).all(axis=1) & np.isfinite(self.velocity).all(axis=1)
+        warned = (self._batch.warning[:, :, 1] > 0).any(axis=1)
+        return np.asarray(self._failed | ~finite | warned, dtype=np.bool_)
+
+    def _compile(self, tile: int) -> mujoco.MjModel:
+        members = self._triangles[self._partition.members[tile]]
+        return build_model(members, self._character, self._dt, self._partition.capacity)
+
+    def _call(self, run: Callable[[], None]) -> None:
+        try:
+            run()
+        except batch.SimulationError as error:
+            self._failed[error.ids] = True
