@@ -111,6 +111,15 @@ class MujocoSimulator:
             np.multiply(push, MASS_KG, out=self._batch.force)
             self._batch.step()
 
+    def has_room(self, positions: Floats) -> Bools:
+        """Whether a character fits at `positions` [n, 3]. Takes the agents away from where they were."""
+        result = np.zeros(len(positions), dtype=np.bool_)
+        for begin in range(0, len(positions), self.agents):
+            some = positions[begin : begin + self.agents]
+            self.restore(np.arange(len(some)), self.place(some))
+            result[begin : begin + len(some)] = self._deepest()[: len(some)] > -OVERLAP_M
+        return result
+
     # --- one control tick -------------------------------------------------------------------------
 
     def _tick(self, stick: Stick) -> None:
