@@ -15,8 +15,10 @@ import numpy as np
 from reachtest.errors import BadInput, Problem
 from reachtest.levels.fields import nearest
 from reachtest.levels.frames import make_frame
+from reachtest.levels.read_aas import read_aas
 from reachtest.levels.read_detour import read_detour
 from reachtest.levels.read_gltf import external_files, read_glb, read_gltf
+from reachtest.levels.read_godot import read_godot
 from reachtest.levels.read_mjcf import read_mjcf
 from reachtest.levels.read_obj import read_obj
 from reachtest.levels.read_plain import read_ply, read_stl
@@ -42,11 +44,16 @@ NAVMESH_READERS: dict[str, MeshReader] = {
     ".gltf": read_gltf,
     ".bin": read_detour,
     ".navmesh": read_detour,
+    ".tres": read_godot,
+    ".tscn": read_godot,
+    ".aas": read_aas,
 }
 
 FORMAT_UP_AXIS = {".glb": "y", ".gltf": "y", ".xml": "z"}  # glTF 2.0, section 3.4: +Y up; MuJoCo: z up
 FORMAT_UP_AXIS |= {".bin": "y", ".navmesh": "y"}  # Recast takes y for up, whatever the engine around it does
+FORMAT_UP_AXIS |= {".tres": "y", ".tscn": "y", ".aas": "z"}  # fixed by Godot and by Quake III
 FORMAT_UNITS = {".xml": "m"}  # MuJoCo's default gravity and density are in SI units
+FORMAT_UNITS |= {".tres": "m", ".tscn": "m"}  # Godot's 3D units; a Quake unit is what its level says
 
 THINNEST_M = 1e-6  # below the resolution of 32-bit coordinates in any level: no surface, only rounding
 

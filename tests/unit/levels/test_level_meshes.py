@@ -26,7 +26,10 @@ def with_mesh(write_level: WriteLevel, name: str, data: bytes | str, **keys: Any
 
 def test_tables_hold_what_the_manual_promises() -> None:
     assert set(MESH_READERS) == {".obj", ".glb", ".gltf", ".ply", ".stl", ".xml"}
-    assert set(NAVMESH_READERS) == {".obj", ".glb", ".gltf", ".bin", ".navmesh"}
+    assert set(NAVMESH_READERS) == {
+        *(".obj", ".glb", ".gltf", ".bin", ".navmesh"),
+        *(".tres", ".tscn", ".aas"),
+    }
 
 
 def test_missing_file_lists_near_names(write_level: WriteLevel) -> None:
@@ -51,7 +54,7 @@ def test_wrong_type_lists_the_valid_ones(write_level: WriteLevel, name: str) -> 
 def test_navmesh_types_are_fewer(write_level: WriteLevel) -> None:
     path = write_level(navmesh={"mesh": "nav.stl"})
     (path.parent / "nav.stl").write_text("solid\nendsolid\n")
-    assert ".bin .glb .gltf .navmesh .obj" in only_problem(path)[2]
+    assert ".aas .bin .glb .gltf .navmesh .obj .tres .tscn" in only_problem(path)[2]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,169 @@
+"""Area files of Quake III's bots (`.aas`): the faces they stand on, z up.
+
+Shape legend: F triangles.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from reachtest.levels.fields import FARTHEST
+from reachtest.levels.scene import Piece, Unreadable
+from reachtest.records import Bools, Ints
+
+Array = np.ndarray[Any, Any]
+
+_DAMAGED = "the file is damaged or cut off: compile it again"
+_MAGIC, _HEADER_BYTES, _LUMPS_AT, _LUMPS = b"EAAS", 124, 12, 14
+_PLAIN, _SCRAMBLED = 4, 5  # versions; the second hides its header from byte 8 on
+_AREA_GROUNDED, _FACE_GROUND = 1, 4
+_LOOSEST = 1.0  # gap between the edges of a face [units]; the compiler merges vertices within 0.1
+
+_LUMP = {  # number and record of every lump that is read
+    "vertexes": (1, np.dtype(("<f4", (3,)))),
+    "edges": (3, np.dtype(("<i4", (2,)))),
+    "edge index": (4, np.dtype("<i4")),  # negative: the edge runs backwards
+    "faces": (
+        5,
+        np.dtype([(name, "<i4") for name in ("plane", "flags", "count", "first", "front", "back")]),
+    ),
+    "face index": (6, np.dtype("<i4")),  # negative: the back of the face
+    "areas": (
+        7,
+        np.dtype([("number", "<i4"), ("count", "<i4"), ("first", "<i4"), ("box_and_centre", "<f4", (9,))]),
+    ),
+    "area settings": (8, np.dtype([("contents", "<i4"), ("flags", "<i4"), ("rest", "<i4", (5,))])),
+}
+
+
+def read_aas(data: bytes, path: Path) -> list[Piece]:
+    """The ground faces of the areas one can stand in, as one piece, wound to face up. Raises Unreadable."""
+    file = _File(data)
+    corners, sizes = _loops(file, _ground_faces(file))
+    faces = _fans(corners, sizes)
+    used, faces = np.unique(faces, return_inverse=True)
+    vertices, faces = file.read("vertexes")[used].astype(np.float64), faces.reshape(-1, 3)
+    a, b, c = (vertices[faces[:, corner], :2] for corner in range(3))
+    first, second = b - a, c - a
+    down = first[:, 0] * second[:, 1] < first[:, 1] * second[:, 0]
+    faces[down] = faces[down, ::-1]
+    return [Piece(path.stem, vertices, faces)]
+
+
+class _File:
+    """The lumps of a file, whose places and sizes have been checked."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._lumps = _lumps(data)
+
+    def read(self, name: str) -> Array:
+        """All records of a lump."""
+        number, dtype = _LUMP[name]
+        at, size = self._lumps[number].tolist()
+        if size % dtype.itemsize:
+            found = f"has {size} bytes of {name} at byte {at}, no multiple of {dtype.itemsize}"
+            raise Unreadable(found, _DAMAGED)
+        return np.frombuffer(self._data, dtype, size // dtype.itemsize, at if size else 0)
+
+    def refuse(self, wrong: Array, name: str, found: str, rows: Array | None = None) -> None:
+        """Raise Unreadable for the first of `rows` (of all, by default) that is `wrong`."""
+        if wrong.any():
+            first = int(np.argmax(wrong))
+            row = first if rows is None else int(rows[first])
+            number, dtype = _LUMP[name]
+            at = int(self._lumps[number][0]) + row * dtype.itemsize
+            raise Unreadable(f"has {name}[{row}] at byte {at} {found}", _DAMAGED)
+
+
+def _bad(found: str) -> NoReturn:
+    raise Unreadable(found, _DAMAGED)
+
+
+def _lumps(data: bytes) -> Ints:
+    """Start and size [bytes] of all lumps [14, 2], each of them within the file."""
+    if data[:4] != _MAGIC:
+        found = f"starts with {data[:4]!r}, which is no area file ({_MAGIC!r}) at byte 0"
+        raise Unreadable(found, "name a Quake III .aas file, or export the nav-mesh as OBJ or GLB")
+    if len(data) < _HEADER_BYTES:
+        _bad(f"ends at byte {len(data)}, within its header of {_HEADER_BYTES} bytes")
+    version = int.from_bytes(data[4:8], "little", signed=True)
+    if version not in (_PLAIN, _SCRAMBLED):
+        raise Unreadable(f"has version {version} at byte 4", f"versions {_PLAIN} and {_SCRAMBLED} are read")
+    header = np.frombuffer(data, np.uint8, _HEADER_BYTES).copy()
+    if version == _SCRAMBLED:
+        header[8:] ^= (np.arange(_HEADER_BYTES - 8) * 119 & 0xFF).astype(np.uint8)
+    lumps = header[_LUMPS_AT:].view("<i4").reshape(_LUMPS, 2).astype(np.int64)
+    outside = (lumps[:, 1] < 0) | (lumps[:, 1] > 0) & ((lumps[:, 0] < 0) | (lumps.sum(axis=1) > len(data)))
+    if outside.any():
+        number = int(np.argmax(outside))
+        at, size = lumps[number].tolist()
+        place = f"lump {number} of {size} bytes from byte {at} on"
+        _bad(f"states {place} at byte {_LUMPS_AT + 8 * number}, where the file has {len(data)} bytes")
+    return lumps
+
+
+def _ground_faces(file: _File) -> Ints:
+    """The faces to stand on, each of them once, in order."""
+    areas, settings, index = file.read("areas"), file.read("area settings"), file.read("face index")
+    if len(areas) != len(settings):
+        _bad(f"has {len(areas)} areas but {len(settings)} area settings (bytes 68 to 83)")
+    grounded = np.flatnonzero(settings["flags"] & _AREA_GROUNDED)
+    rows, _ = _ranges(file, "areas", areas, grounded, len(index), "face index")
+    numbers = np.abs(index[rows].astype(np.int64))
+    faces = file.read("faces")
+    file.refuse(numbers >= len(faces), "face index", f"outside of the {len(faces)} faces", rows)
+    numbers = np.unique(numbers)
+    ground: Ints = numbers[faces["flags"][numbers] & _FACE_GROUND != 0]
+    if not len(ground):
+        found = f"holds no triangles: none of its {len(faces)} faces (lump at byte 52) is ground to stand on"
+        raise Unreadable(found, "compile it without bspc's -optimize, which leaves the ground faces out")
+    return ground
+
+
+def _ranges(file: _File, name: str, records: Array, used: Ints, most: int, target: str) -> tuple[Ints, Ints]:
+    """The rows of `target` that the records `used` name, one after the other, and how many each names."""
+    first, count = (records[field][used].astype(np.int64) for field in ("first", "count"))
+    beyond = (first < 0) | (count < 0) | (first + count > most)
+    file.refuse(beyond, name, f"beyond the {most} of the {target}", used)
+    # Records shared by many would make a small file a huge mesh.
+    file.refuse(np.cumsum(count) > most, name, f"with more than the {most} of the {target} in all", used)
+    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    return np.repeat(first, count) + within, count
+
+
+def _loops(file: _File, ground: Ints) -> tuple[Ints, Ints]:
+    """The corners of all faces `ground`, one face after the other, and how many each has."""
+    index, edges, vertexes = file.read("edge index"), file.read("edges"), file.read("vertexes")
+    rows, sizes = _ranges(file, "faces", file.read("faces"), ground, len(index), "edge index")
+    file.refuse(sizes < 3, "faces", "with fewer than 3 edges", ground)
+    signed = index[rows].astype(np.int64)
+    file.refuse(np.abs(signed) >= len(edges), "edge index", f"outside of the {len(edges)} edges", rows)
+    ends = edges[np.abs(signed)].astype(np.int64)
+    outside = _any(np.logical_or(ends < 0, ends >= len(vertexes)))
+    file.refuse(outside, "edges", f"with an end outside of the {len(vertexes)} vertexes", np.abs(signed))
+    far = _any(~(np.abs(vertexes) <= FARTHEST))  # true for NaN
+    file.refuse(far, "vertexes", "that is NaN, infinite or too far away")
+    backwards = (signed < 0).astype(np.int64)[:, None]
+    start, end = (np.take_along_axis(ends, abs(side - backwards), axis=1)[:, 0] for side in (0, 1))
+    following = np.arange(1, len(start) + 1)
+    following[np.cumsum(sizes) - 1] = np.cumsum(sizes) - sizes
+    gap = np.abs(vertexes[end].astype(np.float64) - vertexes[start[following]]).max(axis=1)
+    file.refuse(gap > _LOOSEST, "faces", "whose edges are no closed loop", np.repeat(ground, sizes))
+    return start, sizes
+
+
+def _any(wrong: Bools) -> Bools:
+    """Which rows have something wrong."""
+    return np.asarray(wrong.any(axis=1))
+
+
+def _fans(corners: Ints, sizes: Ints) -> Ints:
+    """Triangles [F, 3] of convex polygons with `sizes` corners each, whose corners follow each other."""
+    triangles = sizes - 2
+    start = np.repeat(np.cumsum(sizes) - sizes, triangles)
+    step = np.arange(triangles.sum()) - np.repeat(np.cumsum(triangles) - triangles, triangles)
+    return np.stack([corners[start], corners[start + step + 1], corners[start + step + 2]], axis=1)

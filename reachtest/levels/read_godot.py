@@ -1,0 +1,213 @@
+"""Nav-meshes of Godot 3 and 4: the NavigationMesh resources of `.tres` files and of scenes (`.tscn`).
+
+Shape legend: V vertices, F triangles.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import NoReturn, TypeVar
+
+import numpy as np
+
+from reachtest.levels.fields import FARTHEST
+from reachtest.levels.scene import Piece, Unreadable
+from reachtest.records import Floats, Ints
+
+_DAMAGED = "the file is damaged or cut off: save it again in Godot"
+_NO_MESH = (
+    "bake the nav-mesh in Godot and save it; where a scene keeps it in a file of its own, name that file"
+)
+
+_QUOTED = re.compile(r'"(?:[^"\\]|\\.)*"|;[^\n]*|"', re.DOTALL)
+_NOT_BREAK = re.compile(r"[^\n]")
+_HEADER = re.compile(
+    r"^\[(gd_scene|gd_resource|ext_resource|sub_resource|resource|node|connection|editable)\b[^\n]*",
+    re.MULTILINE,
+)
+_ATTRIBUTE = re.compile(r'\b(name|type|id|parent)=(?:"((?:[^"\\]|\\.)*)"|(\d+))')
+_VERTICES = re.compile(r"^vertices\s*=\s*", re.MULTILINE)
+_POLYGONS = re.compile(r"^polygons\s*=\s*", re.MULTILINE)
+_TRANSFORM = re.compile(r"^transform\s*=\s*", re.MULTILINE)
+_MESH_OF_REGION = re.compile(r"^(?:navigation_mesh|navmesh)\s*=\s*SubResource\(", re.MULTILINE)
+_POINTS = re.compile(r"(?:Packed|Pool)Vector3Array\s*\(([^()]*)\)")
+_PLACEMENT = re.compile(r"Transform(?:3D)?\s*\(([^()]*)\)")
+_LIST = re.compile(r"(?:Array\[\w+\]\s*\(\s*)?\[\s*")
+_CORNERS = re.compile(r"(?:PackedInt32|PoolInt)Array\s*\(([^()]*)\)\s*")
+_SEPARATOR = re.compile(r",\s*")
+
+
+Number = TypeVar("Number", int, float)
+
+
+@dataclass(frozen=True)
+class _Section:
+    """One `[...]` header and the properties below it."""
+
+    kind: str
+    attributes: dict[str, str]
+    start: int
+    end: int
+
+
+def read_godot(data: bytes, path: Path) -> list[Piece]:
+    """One piece for every region of a scene, or for every mesh no region of the file has. Raises Unreadable.
+
+    Regions are placed by the transforms of their node and its parents. y up, as the file has it.
+    """
+    text = _text(data)
+    masked = _masked(text)
+    sections = list(_sections(text, masked))
+    resources = dict(_resources(sections))
+    meshes = {key: mesh for key, at in resources.items() if (mesh := _mesh(masked, at))}
+    places = _placements(text, masked, sections)
+    pieces = []
+    for key, (vertices, faces) in meshes.items():
+        for name, matrix in places.get(key) or [(path.stem, np.eye(4))]:
+            pieces.append(Piece(name, vertices @ matrix[:3, :3].T + matrix[:3, 3], faces))
+    if not pieces:
+        lines = [str(text.count("\n", 0, at.start) + 1) for at in resources.values()]
+        empty = f", those in line {', '.join(lines[:8])} are empty" if lines else ""
+        raise Unreadable(f"holds no triangles: no baked NavigationMesh{empty}", _NO_MESH)
+    return pieces
+
+
+def _bad(text: str, at: int, found: str) -> NoReturn:
+    raise Unreadable(f"{found} in line {text.count(chr(10), 0, at) + 1}", _DAMAGED)
+
+
+def _text(data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        remedy = "save the resource as text (.tres or .tscn), not as binary (.res or .scn)"
+        raise Unreadable(f"is no UTF-8 text in line {line}", remedy) from error
+
+
+def _masked(text: str) -> str:
+    """The text with strings and comments blanked out: scripts within a scene may hold anything."""
+
+    def blank(match: re.Match[str]) -> str:
+        if match[0] == '"':
+            _bad(text, match.start(), "has a string without an end, which starts")
+        return _NOT_BREAK.sub(" ", match[0])  # places and line numbers stay
+
+    return _QUOTED.sub(blank, text)
+
+
+def _sections(text: str, masked: str) -> Iterator[_Section]:
+    headers = list(_HEADER.finditer(masked))
+    ends = [*(header.start() for header in headers[1:]), len(text)]
+    for header, end in zip(headers, ends, strict=False):  # a file without headers has one end too many
+        found = _ATTRIBUTE.findall(text, *header.span())
+        yield _Section(header[1], {key: quoted or number for key, quoted, number in found}, header.end(), end)
+
+
+def _resources(sections: list[_Section]) -> Iterator[tuple[str, _Section]]:
+    """The NavigationMesh resources by their id; the main resource of a file has none."""
+    main = next((each.attributes.get("type") for each in sections if each.kind == "gd_resource"), None)
+    for section in sections:
+        if section.kind == "resource" and main == "NavigationMesh":
+            yield "", section
+        if section.kind == "sub_resource" and section.attributes.get("type") == "NavigationMesh":
+            yield section.attributes.get("id", ""), section
+
+
+def _mesh(text: str, section: _Section) -> tuple[Floats, Ints] | None:
+    """Vertices [V, 3] and triangles [F, 3]; None for a mesh that is not baked."""
+    points = _VERTICES.search(text, section.start, section.end)
+    if points is None:
+        return None
+    vertices = _numbers(text, points.end(), _POINTS, "vertices")
+    polygons = _POLYGONS.search(text, section.start, section.end)
+    if polygons is None:
+        return None
+    if len(vertices) % 3:
+        _bad(text, points.start(), f"has {len(vertices)} coordinates of vertices, no multiple of 3,")
+    faces = [fan for corners in _polygons(text, polygons.end(), len(vertices) // 3) for fan in _fan(corners)]
+    return (vertices.reshape(-1, 3), np.array(faces, dtype=np.int64)) if faces else None
+
+
+def _fan(corners: list[int]) -> list[tuple[int, int, int]]:
+    """Triangles of a convex polygon."""
+    return [(corners[0], *pair) for pair in pairwise(corners[1:])]
+
+
+def _numbers(text: str, at: int, pattern: re.Pattern[str], what: str) -> Floats:
+    match = pattern.match(text, at)
+    if match is None:
+        _bad(text, at, f"has {what} without an end or of an unknown type")
+    return np.array(_parsed(text, match, float, what), dtype=np.float64)
+
+
+def _parsed(text: str, match: re.Match[str], to: type[Number], what: str) -> list[Number]:
+    """The numbers in the parentheses of `match`, each of them near enough to be one."""
+    numbers, at = [], match.start(1)
+    words = match[1].split(",") if match[1].strip() else []
+    for word in words:
+        start = at + len(word) - len(word.lstrip())
+        try:
+            number = to(word)
+        except ValueError:
+            _bad(text, start, f"has {what} with {word.strip()[:40]!r}, which is no number,")
+        if not abs(number) <= FARTHEST:
+            _bad(text, start, f"has {what} with {word.strip()[:40]}, NaN, infinite or too far away,")
+        numbers.append(number)
+        at += len(word) + 1
+    return numbers
+
+
+def _polygons(text: str, at: int, vertices: int) -> Iterator[list[int]]:
+    """The corners of every polygon, all of them within the `vertices`."""
+    opening = _LIST.match(text, at)
+    if opening is None:
+        _bad(text, at, "has polygons that are no list")
+    at = opening.end()
+    while text[at : at + 1] != "]":
+        match = _CORNERS.match(text, at)
+        if match is None:
+            _bad(text, at, "has a polygon that is no complete PackedInt32Array")
+        corners = _parsed(text, match, int, "a polygon")
+        if len(corners) < 3:
+            _bad(text, at, f"has a polygon with {len(corners)} corners")
+        if not 0 <= min(corners) <= max(corners) < vertices:
+            _bad(text, at, f"has a polygon with a corner outside of the {vertices} vertices")
+        yield corners
+        at = match.end()
+        if separator := _SEPARATOR.match(text, at):
+            at = separator.end()
+        elif text[at : at + 1] != "]":
+            _bad(text, at, "has polygons without an end")
+
+
+def _placements(text: str, masked: str, sections: list[_Section]) -> dict[str, list[tuple[str, Floats]]]:
+    """Names and matrices [4, 4] of the regions, by the id of their mesh; parents stand before children."""
+    matrices: dict[str, Floats] = {}
+    found: dict[str, list[tuple[str, Floats]]] = {}
+    for node in (section for section in sections if section.kind == "node"):
+        name, parent = node.attributes.get("name", ""), node.attributes.get("parent")
+        own = "." if parent is None else name if parent == "." else f"{parent}/{name}"
+        above = np.eye(4) if parent is None else matrices.get(parent, np.eye(4))
+        matrices[own] = above @ _transform(masked, node)
+        if region := _MESH_OF_REGION.search(masked, node.start, node.end):
+            key = text[region.end() : masked.find(")", region.end())].strip().strip('"')
+            found.setdefault(key, []).append((name, matrices[own]))
+    return found
+
+
+def _transform(text: str, node: _Section) -> Floats:
+    """The matrix [4, 4] of a node: Godot writes the rows of its basis, then its origin."""
+    matrix = np.eye(4)
+    if start := _TRANSFORM.search(text, node.start, node.end):
+        if not text.startswith("Transform", start.end()) or text.startswith("Transform2D", start.end()):
+            return matrix
+        numbers = _numbers(text, start.end(), _PLACEMENT, "a transform")
+        if len(numbers) != 12:
+            _bad(text, start.start(), f"has a transform of {len(numbers)} numbers")
+        matrix[:3, :3], matrix[:3, 3] = numbers[:9].reshape(3, 3), numbers[9:]
+    return matrix
