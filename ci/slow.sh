@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The long measurements behind the README's tables, run by hand: about a quarter of an hour on 2 cores.
+# The long measurements behind the README's tables, run by hand: about half an hour on 2 cores.
 # usage: ci/slow.sh [small | real | agreement | threads]...   (default: all)
 set -euo pipefail
 cd "$(dirname "$0")/.."

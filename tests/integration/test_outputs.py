@@ -146,7 +146,7 @@ def test_who_falls_stood_within_a_jump_of_the_edge(tmp_path, seed) -> None:
     """Holding the jump button the character touches the ground for a single tick at a time: that is standing too."""
     options = pipeline.RunOptions(yard(tmp_path / "yard", closed=False), seed=seed)
     level = pipeline.load(options)
-    simulator = MujocoSimulator(level, level.explore.agents, 1)
+    simulator = MujocoSimulator(level, level.explore.lanes, 1)
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
     result = Explorer(level, simulator, surface, seed).run()
     Replayer(level, simulator, result.points, seed).check()
