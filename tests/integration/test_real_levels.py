@@ -37,7 +37,7 @@ def test_short_run(name: str, tmp_path: Path) -> None:
     report, folder = pipeline.run(pipeline.load(options), options)
     exploration, bounds = report.exploration, report.level.bounds
     positions = exploration.points.positions
-    assert STEPS <= exploration.agent_steps < STEPS + exploration.settings.agents
+    assert STEPS <= exploration.agent_steps < STEPS + exploration.settings.lanes
     assert exploration.diverged_episodes == 0
     assert len(positions) > 100
     assert exploration.points.expected[exploration.points.grounded].mean() > 0.5
