@@ -84,7 +84,7 @@ class MujocoSimulator:
         """Put `agents` [n] into `states` [n, 7]."""
         self._batch.set_state(agents, states[:, :3], states[:, 3:6])
         self._footing[agents] = states[:, 6]
-        self._batch.enter_tiles()
+        self._batch.enter_tiles(agents)
         self._refresh(agents)
 
     def save(self) -> Floats:

@@ -57,15 +57,19 @@ class TiledBatch:
         return self._batch.nthread
 
     def set_state(self, ids: Ints, position: Floats, velocity: Floats) -> None:
-        """Start simulations [n] afresh from positions and velocities [n, 3]; follow with `enter_tiles`."""
+        """Start simulations [n] afresh from positions and velocities [n, 3]; follow with `enter_tiles` and `touch`."""
         self._batch.warning[ids] = 0
         self._failed[ids] = False
         self.position[ids], self.velocity[ids], self.force[ids] = position, velocity, 0.0
 
-    def enter_tiles(self) -> None:
-        """Put everybody who left a tile onto the next; what they touch does not change by that."""
+    def enter_tiles(self, only: Ints | None = None) -> None:
+        """Put who left a tile (of all, or of `only` [n]) onto the next.
+
+        What they touch does not change by that, but `sensor` says nothing of them until the next step or `touch`.
+        """
         here, low, high = self.position, self._partition.low[self._tile], self._partition.high[self._tile]
-        ids = np.flatnonzero(~((here >= low) & (here < high)).all(axis=1))
+        left = ~((here >= low) & (here < high)).all(axis=1)
+        ids = np.flatnonzero(left) if only is None else only[left[only]]
         if not len(ids):
             return
         self._tile[ids] = self._partition.find(here[ids])
