@@ -68,7 +68,7 @@ class TiledBatch:
         What they touch does not change by that, but `sensor` says nothing of them until the next step or `touch`.
         """
         here, low, high = self.position, self._partition.low[self._tile], self._partition.high[self._tile]
-        left = ~((here >= low) & (here < high)).all(axis=1)
+        left: Bools = np.asarray(~((here >= low) & (here < high)).all(axis=1), dtype=np.bool_)
         ids = np.flatnonzero(left) if only is None else only[left[only]]
         if not len(ids):
             return
