@@ -112,9 +112,10 @@ def _near_reference(name: str, fell: list[dict[str, Any]]) -> str:
 def agreement() -> None:
     """Where the reference character stood and fell, against ours: same capsule, spawn and speeds, seed 0."""
     print(
-        "| level | moves | still growing | falls | its footings near | its cells ours reached | ours it reached |"
+        "| level | moves | still growing | our falls | its footings near ours | its cells ours reached |"
+        " of those one can stand in | ours it reached |"
     )
-    print("|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|")
     for file in sorted(SHARED.glob("*/jolt_reach.*.json")):
         _agreement_with(file)
 
@@ -198,9 +199,8 @@ def _has_footing(level: Level, simulator: MujocoSimulator, cells: Floats) -> NDA
     floor, slope = ColumnIndex(level.collision).highest(places, 1.0, 1.0)
     good = np.flatnonzero(np.isfinite(floor) & (slope >= np.cos(np.radians(c.slope_limit_deg))))
     places = places[good]
-    places[:, 2] = (
-        floor[good] + c.radius_m * (1 / slope[good] - 1) + 0.005
-    )  # a sphere on a slope touches uphill
+    hang = c.radius_m * (1 / slope[good] - 1)  # a sphere on a slope touches uphill of its lowest point
+    places[:, 2] = floor[good] + hang + 0.005
     result = np.zeros(len(cells), dtype=np.bool_)
     result[good[simulator.has_room(places)] // len(around)] = True
     return result

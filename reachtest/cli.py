@@ -107,9 +107,11 @@ def speed(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")] = False,
 ) -> None:
     """How fast the level is explored, beside its bare physics, measured in one run."""
+    from dataclasses import asdict
+
     from reachtest.bench.speed import measure_speed
 
-    figures = measure_speed(level, steps, seed).document()
+    figures = asdict(measure_speed(level, steps, seed))
     if as_json:
         print(json.dumps(figures))
     else:

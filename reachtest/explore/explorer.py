@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,12 +23,6 @@ from reachtest.interfaces import Observer, Simulator, Surface
 from reachtest.records import Exploration, Ints, Level, RoundRecord, StopReason
 
 STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight steps at the least
-
-
-@dataclass
-class _Clock:
-    began: float
-    physics_s: float = 0.0
 
 
 class Explorer:
@@ -51,15 +44,15 @@ class Explorer:
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
-        self._clock = _Clock(time.monotonic())
+        self._began, self._physics_s = time.monotonic(), 0.0
 
     def run(self) -> Exploration:
         """Explore until a budget ends or the run is interrupted."""
         while (stop := self._should_stop()) is None:
             self._one_round()
-        wall = time.monotonic() - self._clock.began
+        wall = time.monotonic() - self._began
         ledger = self._ledger
-        physics, cache = self._clock.physics_s, ledger.cache_s
+        physics, cache = self._physics_s, ledger.cache_s
         once, twice, cells = ledger.visits.incidence()
         return Exploration(
             points=ledger.archive.points(),
@@ -89,7 +82,7 @@ class Explorer:
         s = self._settings
         if self._ledger.steps >= s.steps:
             return StopReason.STEPS
-        if s.time_budget_s is not None and time.monotonic() - self._clock.began >= s.time_budget_s:
+        if s.time_budget_s is not None and time.monotonic() - self._began >= s.time_budget_s:
             return StopReason.TIME
         return self._interrupted()
 
@@ -103,7 +96,7 @@ class Explorer:
         parents = self._draw_starts()
         began = time.monotonic()
         rolled = roll_out(self._simulator, self._ledger.states_of(parents), np.stack(streams, axis=1))
-        self._clock.physics_s += time.monotonic() - began
+        self._physics_s += time.monotonic() - began
         new = self._ledger.record(rolled, parents)
         self._tell(rolled, new)
 

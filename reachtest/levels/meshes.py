@@ -49,11 +49,20 @@ NAVMESH_READERS: dict[str, MeshReader] = {
     ".aas": read_aas,
 }
 
-FORMAT_UP_AXIS = {".glb": "y", ".gltf": "y", ".xml": "z"}  # glTF 2.0, section 3.4: +Y up; MuJoCo: z up
-FORMAT_UP_AXIS |= {".bin": "y", ".navmesh": "y"}  # Recast takes y for up, whatever the engine around it does
-FORMAT_UP_AXIS |= {".tres": "y", ".tscn": "y", ".aas": "z"}  # fixed by Godot and by Quake III
-FORMAT_UNITS = {".xml": "m"}  # MuJoCo's default gravity and density are in SI units
-FORMAT_UNITS |= {".tres": "m", ".tscn": "m"}  # Godot's 3D units; a Quake unit is what its level says
+FORMAT_UP_AXIS = {
+    ".glb": "y",  # glTF 2.0, section 3.4
+    ".gltf": "y",
+    ".xml": "z",  # MuJoCo
+    ".bin": "y",  # Recast, whatever the engine around it does
+    ".navmesh": "y",
+    ".tres": "y",  # Godot
+    ".tscn": "y",
+    ".aas": "z",  # Quake III
+}
+"""What a format fixes; other files have the frame's axes."""
+
+FORMAT_UNITS = {".xml": "m", ".tres": "m", ".tscn": "m"}
+"""Likewise: SI in MuJoCo's defaults, Godot's 3D units. A Quake unit is what its level says."""
 
 THINNEST_M = 1e-6  # below the resolution of 32-bit coordinates in any level: no surface, only rounding
 

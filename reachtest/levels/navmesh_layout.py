@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from reachtest.levels.sections import Section
+
 TILE_MAGIC, TILE_VERSION = b"VAND", 7  # DT_NAVMESH_MAGIC as it lies on disk, DT_NAVMESH_VERSION
 
 _COUNTS = ("polys", "verts", "links", "detail_meshes", "detail_verts", "detail_tris", "bv_nodes", "off_mesh")
@@ -68,19 +70,6 @@ def field_offset(record: np.void, name: str) -> int:
     """Where a field starts within its record [bytes]."""
     fields = record.dtype.fields
     return int(fields[name][1]) if fields else 0
-
-
-@dataclass(frozen=True)
-class Section:
-    """One array of a tile: where it starts, counted from the start of the file, and what it holds."""
-
-    at: int  # [bytes]
-    dtype: np.dtype[Any]
-    count: int
-
-    def read(self, data: bytes) -> np.ndarray[Any, Any]:
-        """The array [count]; the caller has checked that the file reaches so far."""
-        return np.frombuffer(data, self.dtype, self.count, self.at)
 
 
 @dataclass(frozen=True)

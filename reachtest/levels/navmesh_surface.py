@@ -6,16 +6,14 @@ Shape legend: V vertices, F triangles, P polygons, C off-mesh connections.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NoReturn
 
 import numpy as np
 
 from reachtest.levels.fields import FARTHEST
 from reachtest.levels.navmesh_tiles import DAMAGED, Tile
-from reachtest.levels.scene import Unreadable
+from reachtest.levels.sections import Array
 from reachtest.records import Bools, Floats, Ints
 
-Array = np.ndarray[Any, Any]
 _GROUND = 0  # kind of polygon; the others stand for off-mesh connections and have no surface
 
 
@@ -75,17 +73,8 @@ def _read(data: bytes, tile: Tile, name: str) -> Array:
     return tile.sections[name].read(data)
 
 
-def _bad(tile: Tile, section: str, index: int, found: str) -> NoReturn:
-    where = tile.sections[section]
-    at = where.at + index * where.dtype.itemsize
-    raise Unreadable(f"has {section}[{index}] at byte {at} {found}", DAMAGED)
-
-
 def _refuse(wrong: Array, tile: Tile, section: str, found: str, rows: Array | None = None) -> None:
-    """Raise Unreadable for the first of `rows` (of all, by default) that is `wrong`."""
-    if wrong.any():
-        first = int(np.argmax(wrong))
-        _bad(tile, section, first if rows is None else int(rows[first]), found)
+    tile.sections[section].refuse(wrong, section, found, DAMAGED, rows)
 
 
 def _places(values: Array) -> Bools:

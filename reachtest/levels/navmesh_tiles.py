@@ -14,10 +14,10 @@ from reachtest.levels.navmesh_layout import (
     TILE_MAGIC,
     TILE_VERSION,
     Layout,
-    Section,
     field_offset,
 )
 from reachtest.levels.scene import Unreadable
+from reachtest.levels.sections import Section
 
 DAMAGED = "the file is damaged or cut off: export it again"
 

@@ -6,15 +6,14 @@ Shape legend: F triangles.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
 from reachtest.levels.fields import FARTHEST
 from reachtest.levels.scene import Piece, Unreadable
+from reachtest.levels.sections import Array, Section
 from reachtest.records import Bools, Ints
-
-Array = np.ndarray[Any, Any]
 
 _DAMAGED = "the file is damaged or cut off: compile it again"
 _MAGIC, _HEADER_BYTES, _LUMPS_AT, _LUMPS = b"EAAS", 124, 12, 14
@@ -60,23 +59,21 @@ class _File:
         self._data = data
         self._lumps = _lumps(data)
 
-    def read(self, name: str) -> Array:
-        """All records of a lump."""
+    def section(self, name: str) -> Section:
+        """Where a lump lies and how many records it holds."""
         number, dtype = _LUMP[name]
         at, size = self._lumps[number].tolist()
         if size % dtype.itemsize:
-            found = f"has {size} bytes of {name} at byte {at}, no multiple of {dtype.itemsize}"
-            raise Unreadable(found, _DAMAGED)
-        return np.frombuffer(self._data, dtype, size // dtype.itemsize, at if size else 0)
+            _bad(f"has {size} bytes of {name} at byte {at}, no multiple of {dtype.itemsize}")
+        return Section(at, dtype, size // dtype.itemsize)
+
+    def read(self, name: str) -> Array:
+        """All records of a lump."""
+        return self.section(name).read(self._data)
 
     def refuse(self, wrong: Array, name: str, found: str, rows: Array | None = None) -> None:
         """Raise Unreadable for the first of `rows` (of all, by default) that is `wrong`."""
-        if wrong.any():
-            first = int(np.argmax(wrong))
-            row = first if rows is None else int(rows[first])
-            number, dtype = _LUMP[name]
-            at = int(self._lumps[number][0]) + row * dtype.itemsize
-            raise Unreadable(f"has {name}[{row}] at byte {at} {found}", _DAMAGED)
+        self.section(name).refuse(wrong, name, found, _DAMAGED, rows)
 
 
 def _bad(found: str) -> NoReturn:

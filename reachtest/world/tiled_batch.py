@@ -36,9 +36,9 @@ class TiledBatch:
         self._partition = partition(self._triangles, margin_for(character, timestep_s), tile_triangles)
         self._models = TileModels(self._compile, tiles_mb)
         self._tile = self._partition.find(starts)
-        models = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]
-        self._batch = batch.Batch(models[0], len(starts), nthread=threads, persistent=True)
-        self._batch.set_models(models)
+        self._running = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]
+        self._batch = batch.Batch(self._running[0], len(starts), nthread=threads, persistent=True)
+        self._batch.set_models(self._running)
         self.position: Floats = self._batch.bind("qpos")  # [B, 3]
         self.velocity: Floats = self._batch.bind("qvel")  # [B, 3]
         self.force: Floats = self._batch.bind("qfrc_applied")  # [B, 3]
@@ -73,7 +73,9 @@ class TiledBatch:
         if not len(ids):
             return
         self._tile[ids] = self._partition.find(here[ids])
-        self._batch.set_models([self._models.get(tile, self._tile) for tile in self._tile.tolist()])
+        for simulation, tile in zip(ids.tolist(), self._tile[ids].tolist(), strict=True):
+            self._running[simulation] = self._models.get(tile, self._tile)
+        self._batch.set_models(self._running)
         # MjData keeps the poses of static geoms while they sleep: only a reset moves it to other ones. The
         # reset also forgets warnings, and the state.
         self._failed[ids] |= (self._batch.warning[ids, :, 1] > 0).any(axis=1)

@@ -20,7 +20,6 @@ from reachtest.records import Character, Floats, Ints
 from reachtest.world.model import PRISM_M, SKIN_M
 
 TARGET_TRIANGLES = 384  # half of it takes twice the tiles to compile and steps no faster: measured
-SMALLEST = 1.0  # a box is cut while it is this much larger than its margins: else both halves hold the same
 MODELS_MB = 1536.0  # of compiled tiles kept, least recently used first to go
 
 
@@ -62,7 +61,7 @@ class Partition:
         # What a margin below reaches from above: the box of a triangle grows the other way round.
         self._low = triangles.min(axis=1) - PRISM_M - margin.high
         self._high = triangles.max(axis=1) + PRISM_M + margin.low
-        self._least = SMALLEST * (margin.low + margin.high)
+        self._least = margin.low + margin.high  # of what is smaller both halves would hold nearly the same
         self._target = target
         self._axis: list[int] = []  # [N] -1: a leaf
         self._cut: list[float] = []  # [N] or, of a leaf, its tile
@@ -106,10 +105,9 @@ class Partition:
             return node
         cut = float(low[axis] + high[axis]) / 2
         self._add(axis, cut, (-1, -1))
-        middle = np.where(np.arange(3) == axis, cut, np.nan)
         below, above = members[self._low[members, axis] <= cut], members[self._high[members, axis] >= cut]
-        left = self._build(below, low, _at(high, middle), open_low, _at(open_high, middle))
-        right = self._build(above, _at(low, middle), high, _at(open_low, middle), open_high)
+        left = self._build(below, low, _cut(high, axis, cut), open_low, _cut(open_high, axis, cut))
+        right = self._build(above, _cut(low, axis, cut), high, _cut(open_low, axis, cut), open_high)
         self._child[node] = (left, right)
         return node
 
@@ -119,8 +117,11 @@ class Partition:
         self._child.append(child)
 
 
-def _at(corner: Floats, middle: Floats) -> Floats:
-    return np.where(np.isnan(middle), corner, middle)
+def _cut(corner: Floats, axis: int, at: float) -> Floats:
+    """The corner [3] of a box, moved to a cut."""
+    moved = corner.copy()
+    moved[axis] = at
+    return moved
 
 
 class TileModels:
