@@ -78,12 +78,38 @@ class Solid:
 
 
 @dataclass(frozen=True)
+class NavAgent:
+    """For whom a nav-mesh was built; None where the file does not say."""
+
+    radius_m: float | None = None
+    height_m: float | None = None
+    climb_m: float | None = None
+    slope_deg: float | None = None
+
+
+@dataclass(frozen=True)
+class NavLink:
+    """A connection the surface does not show: a ladder, a jump, a teleporter."""
+
+    kind: str  # what the file calls it: "off-mesh", "jump", "ladder", ...
+    start: Floats  # [3]
+    end: Floats  # [3]
+    radius_m: float
+    both_ways: bool
+
+
+@dataclass(frozen=True)
 class NavMesh:
     """The walkable surface as the game's own path-finding has it."""
 
     file: str
     vertices: Floats  # [V, 3]
     faces: Ints  # [F, 3]
+    format: str = ""  # what it was read from, for people
+    polygons: int | None = None  # as the file counts them; None: its faces are its polygons
+    agent: NavAgent = NavAgent()
+    links: tuple[NavLink, ...] = ()
+    areas: Ints | None = None  # [F] area type of each face, where the format has some
 
     @property
     def triangles(self) -> Floats:

@@ -1,0 +1,1 @@
+"""The commands, one file for each group; cli.py lists them. Heavy packages are imported inside the functions."""

@@ -1,0 +1,27 @@
+"""`reachtest validate` and `reachtest schema`: level files, without running them."""
+
+from __future__ import annotations
+
+import json
+
+from reachtest.commands.arguments import LevelFile
+
+
+def validate(level: LevelFile) -> None:
+    """Check a level file and everything it names, without running it, and say what was understood."""
+    from reachtest.levels import check_level, load_level
+
+    check = check_level(load_level(level))
+    width = max(len(name) for name, _ in check.facts)
+    for name, fact in check.facts:
+        print(f"{name.ljust(width)}  {fact}")
+    for warning in check.warnings:
+        print(f"warning: {warning}")
+    print(f"{level.name} is valid" + (f", {len(check.warnings)} warnings" if check.warnings else ""))
+
+
+def schema() -> None:
+    """Print the JSON schema of level.yaml, for editors."""
+    from reachtest.levels import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
