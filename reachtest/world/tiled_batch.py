@@ -12,7 +12,8 @@ import numpy as np
 from mujoco import batch
 
 from reachtest.records import Bools, Character, Floats, Ints
-from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, build_model, usable_triangles
+from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, Template
+from reachtest.world.pieces import pieces_of
 from reachtest.world.tiles import TileModels, margin_for, partition
 
 _FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached, at no extra cost
@@ -28,12 +29,13 @@ class TiledBatch:
         timestep_s: float,
         starts: Floats,
         threads: int,
-        tile_triangles: int,
+        tile_pieces: int,
         tiles_mb: float,
     ) -> None:
-        """Cut `triangles` [F, 3, 3] into tiles; `starts` [B, 3] only says which to compile first."""
-        self._triangles, self._character, self._dt = usable_triangles(triangles), character, timestep_s
-        self._partition = partition(self._triangles, margin_for(character, timestep_s), tile_triangles)
+        """Cut `triangles` [F, 3, 3] into tiles; `starts` [B, 3] are in the open, and say which to compile first."""
+        self._pieces = pieces_of(triangles, starts)
+        self._partition = partition(self._pieces, margin_for(character, timestep_s), tile_pieces)
+        self._template = Template(self._partition.capacity, character, timestep_s)
         self._models = TileModels(self._compile, tiles_mb)
         self._tile = self._partition.find(starts)
         self._running = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]
@@ -98,8 +100,7 @@ class TiledBatch:
         return np.asarray(self._failed | ~finite | warned, dtype=np.bool_)
 
     def _compile(self, tile: int) -> mujoco.MjModel:
-        members = self._triangles[self._partition.members[tile]]
-        return build_model(members, self._character, self._dt, self._partition.capacity)
+        return self._template.fill(self._pieces.take(self._partition.members[tile]))
 
     def _call(self, run: Callable[[], None]) -> None:
         try:

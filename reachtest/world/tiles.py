@@ -4,7 +4,7 @@ A physics step costs what lies near, not what the level holds. A tile is a funct
 everything a character in its box can touch before it is asked for again, in the level's own order: so results
 do not depend on how the level was cut.
 
-Shape legend: F triangles, N nodes, B agents.
+Shape legend: N nodes, B agents.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ import mujoco
 import numpy as np
 
 from reachtest.records import Character, Floats, Ints
-from reachtest.world.model import PRISM_M, SKIN_M
+from reachtest.world.model import SKIN_M
+from reachtest.world.pieces import PRISM_M, Pieces
 
-TARGET_TRIANGLES = 384  # half of it takes twice the tiles to compile and steps no faster: measured
+TARGET_PIECES = 384  # half of it takes twice the tiles to compile and steps no faster: measured
 MODELS_MB = 1536.0  # of compiled tiles kept, least recently used first to go
 
 
@@ -44,32 +45,31 @@ def margin_for(character: Character, timestep_s: float) -> Margin:
     )
 
 
-def partition(triangles: Floats, margin: Margin, target: int) -> Partition:
-    """Tiles of about `target` triangles.
+def partition(pieces: Pieces, margin: Margin, target: int) -> Partition:
+    """Tiles of about `target` pieces.
 
     All models have room for the fullest tile, so where one cannot be cut further the others need not be smaller.
     """
-    tiles = Partition(triangles, margin, target)
-    return Partition(triangles, margin, tiles.capacity) if tiles.capacity > target else tiles
+    tiles = Partition(pieces, margin, target)
+    return Partition(pieces, margin, tiles.capacity) if tiles.capacity > target else tiles
 
 
 class Partition:
     """A k-d tree whose leaves are tiles; every point of space lies in exactly one."""
 
-    def __init__(self, triangles: Floats, margin: Margin, target: int) -> None:
-        """Cut until a tile touches at most `target` of the triangles [F, 3, 3], where that is possible."""
-        # What a margin below reaches from above: the box of a triangle grows the other way round.
-        self._low = triangles.min(axis=1) - PRISM_M - margin.high
-        self._high = triangles.max(axis=1) + PRISM_M + margin.low
+    def __init__(self, pieces: Pieces, margin: Margin, target: int) -> None:
+        """Cut until a tile touches at most `target` of the pieces, where that is possible."""
+        # What a margin below reaches from above: the box of a piece grows the other way round.
+        self._low, self._high = pieces.low - margin.high, pieces.high + margin.low
         self._least = margin.low + margin.high  # of what is smaller both halves would hold nearly the same
         self._target = target
         self._axis: list[int] = []  # [N] -1: a leaf
         self._cut: list[float] = []  # [N] or, of a leaf, its tile
         self._child: list[tuple[int, int]] = []  # [N]
-        self.members: list[Ints] = []  # of every tile: its triangles, ascending
+        self.members: list[Ints] = []  # of every tile: its pieces, ascending
         self._boxes: list[tuple[Floats, Floats]] = []
-        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-        self._build(np.arange(len(triangles)), low, high, np.full(3, -np.inf), np.full(3, np.inf))
+        low, high = pieces.low.min(axis=0), pieces.high.max(axis=0)
+        self._build(np.arange(len(pieces)), low, high, np.full(3, -np.inf), np.full(3, np.inf))
         self.low = np.array([low for low, _ in self._boxes])  # [tiles, 3] boxes, half open
         self.high = np.array([high for _, high in self._boxes])
         self._nodes = np.array(self._axis), np.array(self._cut), np.array(self._child)
@@ -79,7 +79,7 @@ class Partition:
 
     @property
     def capacity(self) -> int:
-        """Triangles of the fullest tile."""
+        """Pieces of the fullest tile."""
         return max(len(members) for members in self.members)
 
     def find(self, points: Floats) -> Ints:
