@@ -1,36 +1,19 @@
-"""Closed triangle meshes of the pieces, and GLB files of them that are the same to the byte on every machine.
-
-trimesh writes GLB too, but its bytes change with its version.
-"""
+"""Closed triangle meshes of the pieces, one each; the rest is the kit's."""
 
 from __future__ import annotations
 
-import json
-import struct
+import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # for the kit
 
 import numpy as np
+from kit import mesh as kit_mesh
+from kit.mesh import Floats, Ints, Mesh, y_up
 from layout import STEP_RISE_M, STEP_TREAD_M, Piece
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-FLOAT32, UINT16, TRIANGLES = 5126, 5123, 4  # glTF component types and primitive mode
-VERTEX_BUFFER, INDEX_BUFFER = 34962, 34963  # glTF buffer view targets
-JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
-
-
-@dataclass(frozen=True)
-class Mesh:
-    """A named triangle mesh in level coordinates: vertices [V, 3] [m] from `origin` [3], faces [F, 3]."""
-
-    name: str
-    vertices: Floats
-    faces: Ints
-    origin: Floats
+__all__ = ["Floats", "Ints", "Mesh", "glb", "prism", "y_up"]
 
 
 def profile(piece: Piece, run: float) -> list[tuple[float, float]]:
@@ -69,53 +52,6 @@ def prism(piece: Piece) -> Mesh:
     return Mesh(piece.name, local + low - origin, faces if volume > 0 else faces[:, ::-1], origin)
 
 
-def y_up(points: Floats) -> Floats:
-    """Level coordinates (z up) [..., 3] to the file's axes (y up, z south)."""
-    return np.stack([points[..., 0], points[..., 2], -points[..., 1]], axis=-1) + 0.0  # no negative zeros
-
-
 def glb(meshes: Sequence[Mesh]) -> bytes:
     """A y-up binary glTF with one named node a mesh."""
-    document: dict[str, Any] = {
-        "asset": {"version": "2.0", "generator": "maps/small/make.py"},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(meshes)))}],
-        "nodes": [],
-        "meshes": [],
-        "accessors": [],
-        "bufferViews": [],
-    }
-    binary = bytearray()
-    for index, mesh in enumerate(meshes):
-        node: dict[str, Any] = {"name": mesh.name, "mesh": index}
-        if mesh.origin.any():
-            node["translation"] = y_up(mesh.origin).tolist()
-        document["nodes"].append(node)
-        attributes = {"POSITION": 2 * index}
-        primitive = {"attributes": attributes, "indices": 2 * index + 1, "mode": TRIANGLES}
-        document["meshes"].append({"name": mesh.name, "primitives": [primitive]})
-        _append_arrays(document, binary, mesh)
-    document["buffers"] = [{"byteLength": len(binary)}]
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    total = 12 + 8 + len(text) + 8 + len(binary)
-    header = struct.pack("<4sII", b"glTF", 2, total)
-    parts = ((text, JSON_CHUNK), (bytes(binary), BINARY_CHUNK))
-    return header + b"".join(struct.pack("<II", len(data), kind) + data for data, kind in parts)
-
-
-def _append_arrays(document: dict[str, Any], binary: bytearray, mesh: Mesh) -> None:
-    positions = y_up(mesh.vertices).astype("<f4")
-    indices = mesh.faces.astype("<u2").ravel()
-    extent = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
-    arrays: list[tuple[Any, int, dict[str, Any]]] = [
-        (positions, VERTEX_BUFFER, {"componentType": FLOAT32, "type": "VEC3", **extent}),
-        (indices, INDEX_BUFFER, {"componentType": UINT16, "type": "SCALAR"}),
-    ]
-    for array, target, accessor in arrays:
-        data = array.tobytes()
-        view = {"buffer": 0, "byteOffset": len(binary), "byteLength": len(data), "target": target}
-        accessor |= {"bufferView": len(document["bufferViews"]), "count": len(array)}
-        document["accessors"].append(accessor)
-        document["bufferViews"].append(view)
-        binary += data + b"\0" * (-len(data) % 4)
+    return kit_mesh.glb(meshes, "maps/small/make.py")

@@ -19,6 +19,7 @@ from reachtest.records import Bools, Character, Floats, Ints
 
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
 LEVEL_NXY = 0.02  # a normal with less of a horizontal part has no say in horizontal movement
+FLUSH_M = 0.002  # an edge this little above the ground one stands on is part of it
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 STICK_DIRECTIONS = np.concatenate(
     [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
@@ -53,7 +54,7 @@ class Stick:
     centred: Ints  # agents that push nowhere
 
 
-def read_contacts(sensor: Floats, slope_cos: float) -> Contacts:
+def read_contacts(sensor: Floats, slope_cos: float, radius_m: float) -> Contacts:
     """Sort the contact sensor's slots [B, K, 5] (found, dist, normal from the capsule)."""
     normals = -sensor[:, :, 2:]
     x, y, z = normals[:, :, 0], normals[:, :, 1], normals[:, :, 2]
@@ -63,8 +64,19 @@ def read_contacts(sensor: Floats, slope_cos: float) -> Contacts:
     ids = np.flatnonzero(blocking.any(axis=1))
     if not len(ids):
         return Contacts(normals, walkable, ids, np.empty((0, sensor.shape[1], 2)))
-    scale = np.where(blocking[ids], 1.0 / np.maximum(length[ids], LEVEL_NXY), 0.0)
+    solid = blocking[ids] & ~_flush(normals[ids], sensor[ids, :, 1], walkable[ids], radius_m)
+    scale = np.where(solid, 1.0 / np.maximum(length[ids], LEVEL_NXY), 0.0)
     return Contacts(normals, walkable, ids, normals[ids, :, :2] * scale[:, :, None])
+
+
+def _flush(normals: Floats, away: Floats, walkable: Bools, radius_m: float) -> Bools:
+    """Which contacts [n, K] lie in the plane of a walkable one: the upper edge of a ramp, a seam of a floor.
+
+    What a sphere nearly touches a little ahead has a normal that leans back more than the ground's.
+    """
+    reach = radius_m + away
+    above = reach[:, None, :] - reach[:, :, None] * (normals @ normals.transpose(0, 2, 1))  # [n, K, K]
+    return np.asarray(((above < FLUSH_M) & walkable[:, None, :]).any(axis=2) & (normals[:, :, 2] > 0))
 
 
 class Controller:

@@ -1,9 +1,9 @@
 """What triangles collide as: convex pieces, as few as cover exactly the same space.
 
 A triangle is a thin prism, extruded against its normal. Two triangles of one plane that make a convex quadrilateral
-are one piece, and if it is a rectangle, a box; the twelve triangles of a closed box are that box.
+are one piece, and if it is a rectangle, a box. A closed convex part of up to eight corners is one solid piece.
 
-Shape legend: F triangles, N pieces, E candidate pairs.
+Shape legend: F triangles, N pieces, E candidate pairs, C corners of a polygon.
 """
 
 from __future__ import annotations
@@ -14,20 +14,19 @@ import numpy as np
 
 from reachtest.geometry import triangle_normals
 from reachtest.records import Bools, Floats, Ints
+from reachtest.world.solids import FLAT_M, MOST_CORNERS, convex_solids, weld
 
 PRISM_M = 0.03  # thick enough to be hit by walking characters, thin enough for double-sided walls
 MIN_ALTITUDE_M = 1e-3  # thinner slivers make no convex hull; the gap they leave is as thin
-FLAT_M = (
-    1e-4  # how far out of the plane, or of the rectangle, a corner may be: a tenth of the contact's own slack
-)
-CORNERS = 8
+CORNERS = MOST_CORNERS
+_MOST_INSET = 0.8  # of the way to a polygon's middle: its prism keeps some width below
 
 
 @dataclass(frozen=True)
 class Pieces:
     """Convex pieces, each the hull of `corners`; a box where `half` says so."""
 
-    corners: Floats  # [N, 8, 3] a prism of three sides repeats two of them
+    corners: Floats  # [N, 8, 3] fewer are repeated
     half: Floats  # [N, 3] half extents of a box along its axes; NaN: not a box
     axes: Floats  # [N, 3, 3] the box's axes as columns, right-handed; identity elsewhere
 
@@ -57,27 +56,28 @@ class Pieces:
 def pieces_of(triangles: Floats, hollow: Floats | None = None) -> Pieces:
     """Convex pieces of `triangles` [F, 3, 3], in the order of their first triangle. Slivers are left out.
 
-    A closed box around one of the points `hollow` [n, 3] keeps its six sides: somebody starts in there.
+    A closed part around one of the points `hollow` [n, 3] keeps its sides: somebody starts in there.
     """
     triangles = usable_triangles(triangles)
-    boxes = closed_boxes(triangles)
-    if hollow is not None:
-        boxes = boxes[~_hold(triangles, boxes, hollow)]
+    vertex = weld(triangles)
     left = np.ones(len(triangles), dtype=np.bool_)
-    left[_run(boxes)] = False
+    first, made = [], []
+    for starts, count, corners in convex_solids(
+        triangles, vertex, np.empty((0, 3)) if hollow is None else hollow
+    ):
+        left[(starts[:, None] + np.arange(count)).ravel()] = False
+        first.append(starts)
+        made.append(_hulls(corners))
     rest = np.flatnonzero(left)
-    quads, pairs = quadrilaterals(triangles[rest])
+    edges = CommonEdges(triangles[rest], vertex[rest])
+    quads, pairs, insets = edges.quadrilaterals()
     single = np.setdiff1d(np.arange(len(rest)), pairs)
-    made = [
-        _solid_boxes(triangles, boxes),
-        _thin(quads),
-        _thin(triangles[rest[single]][:, [0, 1, 2, 2]]),
-    ]
-    first = np.concatenate([boxes, rest[pairs.min(axis=1)], rest[single]])
+    first += [rest[pairs.min(axis=1)], rest[single]]
+    made += [_thin(quads, insets), _thin(triangles[rest[single]], edges.inset[single])]
     every = Pieces(
         *(np.concatenate([getattr(p, name) for p in made]) for name in ("corners", "half", "axes"))
     )
-    return every.take(np.argsort(first, kind="stable"))
+    return every.take(np.argsort(np.concatenate(first), kind="stable"))
 
 
 def usable_triangles(triangles: Floats) -> Floats:
@@ -87,103 +87,65 @@ def usable_triangles(triangles: Floats) -> Floats:
     return triangles[2 * area > MIN_ALTITUDE_M * np.maximum(longest, 1e-12)]
 
 
-def closed_boxes(triangles: Floats) -> Ints:
-    """First triangles [n] of the runs of twelve that are a closed box seen from outside.
+class CommonEdges:
+    """Which triangles meet at an edge, in opposite directions as neighbours of one surface do."""
 
-    Generators and editors write a box's triangles one after the other. A room seen from inside is no box.
-    """
-    if len(triangles) < 12:
-        return np.empty(0, dtype=np.int64)
-    runs = np.lib.stride_tricks.sliding_window_view(triangles, 12, axis=0)  # [n, 3, 3, 12]
-    low, high = runs.min(axis=(1, 3)), runs.max(axis=(1, 3))
-    on_corner = (np.abs(runs - low[:, None, :, None]) < FLAT_M) | (
-        np.abs(runs - high[:, None, :, None]) < FLAT_M
-    )
-    size = high - low
-    likely = np.flatnonzero(on_corner.all(axis=(1, 2, 3)) & (size > PRISM_M).all(axis=1))
-    chosen: list[int] = []
-    following = 0
-    for start in likely.tolist():
-        if start >= following and _is_box(triangles[start : start + 12], size[start]):
-            chosen.append(start)
-            following = start + 12
-    return np.array(chosen, dtype=np.int64)
+    def __init__(self, triangles: Floats, vertex: Ints) -> None:
+        """Of `triangles` [F, 3, 3] with vertex numbers [F, 3]."""
+        self._triangles = triangles
+        self._count = count = len(triangles)
+        begin, end = vertex.ravel(), np.roll(vertex, -1, axis=1).ravel()
+        key = int(vertex.max(initial=0)) + 1
+        forward, backward = begin * key + end, end * key + begin
+        order = np.argsort(forward, kind="stable")
+        place = np.minimum(np.searchsorted(forward[order], backward), max(3 * count - 1, 0))
+        twin = order[place] if count else order
+        self._mine = np.flatnonzero(
+            forward[twin] == backward
+        )  # edges: triangle * 3 + the corner they begin at
+        self._twin = twin[self._mine]
+        self._normals = triangle_normals(triangles)[0]
+        self.inset = self._insets()
 
+    def _insets(self) -> Floats:
+        """How far [F, 3] the lower side of each triangle's prism has to stand back from each of its edges [m].
 
-def _is_box(run: Floats, size: Floats) -> bool:
-    normals, area = triangle_normals(run)
-    centre = run.reshape(-1, 3).mean(axis=0)
-    outward = ((run.mean(axis=1) - centre) * normals).sum(axis=1) > 0
-    axis = np.abs(normals).argmax(axis=1) * 2 + (normals.max(axis=1) > 0.5)
-    each = np.bincount(axis, weights=area, minlength=6)
-    faces = np.repeat([size[1] * size[2], size[0] * size[2], size[0] * size[1]], 2)
-    return bool(
-        outward.all() and np.allclose(each, faces, rtol=1e-3) and (np.bincount(axis, minlength=6) == 2).all()
-    )
+        Where two faces meet at less than a right angle the prism of the one would stick out of the other, and who
+        walks up a ramp would stop at the back of its upper end. Not where they meet the other way round, in a notch.
+        """
+        result = np.zeros(3 * self._count)
+        one, two = self._normals[self._mine // 3], self._normals[self._twin // 3]
+        cos = np.einsum("ed,ed->e", one, two)
+        apex = np.roll(self._triangles, -2, axis=1).reshape(-1, 3)[self._twin]
+        behind = np.einsum("ed,ed->e", apex - self._triangles.reshape(-1, 3)[self._mine], one) < -FLAT_M
+        acute = behind & (cos < 0)
+        sin = np.sqrt(np.maximum(1 - cos[acute] ** 2, 1e-6))
+        result[self._mine[acute]] = PRISM_M * -cos[acute] / sin
+        return result.reshape(-1, 3)
 
+    def quadrilaterals(self) -> tuple[Floats, Ints, Floats]:
+        """Convex quadrilaterals [n, 4, 3] of two triangles of one plane, those triangles [n, 2], and the insets [n, 4].
 
-def _run(starts: Ints) -> Ints:
-    """The twelve triangles [n, 12] of each box."""
-    return starts[:, None] + np.arange(12)
-
-
-def _extents(triangles: Floats, starts: Ints) -> tuple[Floats, Floats]:
-    corners = triangles[_run(starts)].reshape(len(starts), 36, 3)
-    return corners.min(axis=1, initial=np.inf), corners.max(axis=1, initial=-np.inf)
-
-
-def _hold(triangles: Floats, starts: Ints, points: Floats) -> Bools:
-    """Which boxes [n] have one of `points` [m, 3] in them."""
-    low, high = (side[:, None] for side in _extents(triangles, starts))
-    inside: Bools = np.asarray(((points > low) & (points < high)).all(axis=2))
-    return np.asarray(inside.any(axis=1))
-
-
-def _solid_boxes(triangles: Floats, starts: Ints) -> Pieces:
-    low, high = _extents(triangles, starts)
-    pick = np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    corners = np.where(pick[None] == 1, high[:, None], low[:, None])
-    return Pieces(corners, (high - low) / 2, np.broadcast_to(np.eye(3), (len(starts), 3, 3)))
+        Rectangles come first, then those with the longest common edge; what is paired is not paired again.
+        """
+        pairs = np.stack([self._mine, self._twin], axis=1) // 3
+        once = pairs[:, 0] < pairs[:, 1]
+        mine, twin, pairs = self._mine[once], self._twin[once], pairs[once]
+        points = self._triangles.reshape(-1, 3)
+        following, apex = _turn(mine, 1), _turn(mine, 2)
+        quads = points[np.stack([apex, mine, _turn(twin, 2), twin], axis=1)]
+        insets = self.inset.ravel()[np.stack([apex, _turn(twin, 1), _turn(twin, 2), following], axis=1)]
+        good = np.flatnonzero(_flat_and_convex(quads))
+        length = np.linalg.norm(quads[good, 1] - quads[good, 3], axis=1)
+        rank = (pairs[good, 1], pairs[good, 0], -length.round(6), ~is_rectangle(quads[good]))
+        good = good[np.lexsort(rank)]
+        chosen = good[_matching(pairs[good], self._count)]
+        return quads[chosen], pairs[chosen], insets[chosen]
 
 
-def quadrilaterals(triangles: Floats) -> tuple[Floats, Ints]:
-    """Convex quadrilaterals [n, 4, 3] of two triangles of one plane, and those triangles [n, 2].
-
-    Rectangles come first, then those with the longest common edge; what is paired is not paired again.
-    """
-    none = np.empty((0, 4, 3)), np.empty((0, 2), dtype=np.int64)
-    if len(triangles) < 2:
-        return none
-    pairs, quads = _common_edges(triangles)
-    good = _flat_and_convex(quads)
-    pairs, quads = pairs[good], quads[good]
-    if not len(pairs):
-        return none
-    length = np.linalg.norm(quads[:, 1] - quads[:, 3], axis=1)
-    order = np.lexsort((pairs[:, 1], pairs[:, 0], -length.round(6), ~is_rectangle(quads)))
-    pairs, quads = pairs[order], quads[order]
-    chosen = _matching(pairs, len(triangles))
-    return quads[chosen], pairs[chosen]
-
-
-def _common_edges(triangles: Floats) -> tuple[Ints, Floats]:
-    """Pairs [E, 2] of triangles that share an edge in opposite directions, and the quadrilaterals [E, 4, 3]."""
-    _, vertex = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    corner = vertex.reshape(-1, 3)
-    begin, end = corner.ravel(), np.roll(corner, -1, axis=1).ravel()
-    apex = np.roll(triangles, -2, axis=1).reshape(-1, 3)  # opposite to the edge that begins at each corner
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    count = int(corner.max()) + 1
-    forward, backward = begin.astype(np.int64) * count + end, end.astype(np.int64) * count + begin
-    order = np.argsort(forward, kind="stable")
-    place = np.searchsorted(forward[order], backward)
-    place = np.minimum(place, len(order) - 1)
-    twin = order[place]
-    mine = np.flatnonzero((forward[twin] == backward) & (owner < owner[twin]))
-    other = twin[mine]
-    points = triangles.reshape(-1, 3)
-    quads = np.stack([apex[mine], points[mine], apex[other], points[other]], axis=1)
-    return np.stack([owner[mine], owner[other]], axis=1), quads
+def _turn(edge: Ints, by: int) -> Ints:
+    """The edges (triangle * 3 + corner) of the same triangles, so many corners on."""
+    return edge - edge % 3 + (edge + by) % 3
 
 
 def _flat_and_convex(quads: Floats) -> Bools:
@@ -222,21 +184,55 @@ def _matching(pairs: Ints, count: int) -> Ints:
     return np.sort(np.concatenate(taken)) if taken else np.empty(0, dtype=np.int64)
 
 
-def _thin(quads: Floats) -> Pieces:
-    """Prisms of convex polygons [n, 4, 3] (the last corner of a triangle stands twice)."""
-    sides = np.roll(quads, -1, axis=1) - quads
-    normal = np.cross(sides[:, 0], quads[:, 2] - quads[:, 0]) + np.cross(
-        quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 0]
-    )
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    corners = np.concatenate([quads, quads - PRISM_M * normal[:, None]], axis=1)
-    box = is_rectangle(quads) & (np.linalg.norm(sides, axis=2).min(axis=1) > MIN_ALTITUDE_M)
-    half = np.full((len(quads), 3), np.nan)
-    half[box, 0] = np.linalg.norm(sides[box, 0], axis=1) / 2
-    half[box, 1] = np.linalg.norm(sides[box, 1], axis=1) / 2
-    half[box, 2] = PRISM_M / 2
-    axes = np.tile(np.eye(3), (len(quads), 1, 1))
-    along = sides[box, 0] / np.maximum(2 * half[box, :1], 1e-12)
-    across = np.cross(normal[box], along)
-    axes[box] = np.stack([along, across, normal[box]], axis=2)
+def _hulls(corners: Floats) -> Pieces:
+    """Solid pieces of corners [n, 8, 3]; boxes are recognised whichever way they are turned."""
+    start = corners[:, :1]
+    away = corners - start
+    order = np.argsort(np.linalg.norm(away, axis=2), axis=1, kind="stable")
+    # Of a box's corner, the three nearest others or two of them and a face's diagonal: try what is at right angles.
+    half, axes = np.full((len(corners), 3), np.nan), np.tile(np.eye(3), (len(corners), 1, 1))
+    middle = corners.mean(axis=1)
+    for second, third in ((2, 3), (2, 4), (3, 4)):
+        sides = np.take_along_axis(away, order[:, [1, second, third], None], axis=1)  # [n, 3, 3]
+        length = np.linalg.norm(sides, axis=2)
+        unit = sides / np.maximum(length, 1e-12)[:, :, None]
+        unit[:, 2] *= np.sign(np.linalg.det(unit))[:, None]
+        skew = np.abs(np.einsum("nid,njd->nij", unit, unit) - np.eye(3)).max(axis=(1, 2))
+        local = np.abs(np.einsum("ncd,nid->nci", corners - middle[:, None], unit)) - length[:, None] / 2
+        box = (skew < 1e-6) & (np.abs(local).max(axis=(1, 2)) < FLAT_M) & (length.min(axis=1) > PRISM_M)
+        half[box], axes[box] = length[box] / 2, unit[box].transpose(0, 2, 1)
     return Pieces(corners, half, axes)
+
+
+def _thin(polygons: Floats, insets: Floats) -> Pieces:
+    """Prisms of convex polygons [n, C, 3], narrower below where their edges [n, C] have insets."""
+    sides = np.roll(polygons, -1, axis=1) - polygons
+    length = np.linalg.norm(sides, axis=2)
+    along = sides / np.maximum(length, 1e-12)[:, :, None]
+    normal = np.cross(sides, np.roll(sides, -1, axis=1)).sum(axis=1)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    below = polygons - PRISM_M * normal[:, None] + _moved_in(polygons, along, normal, insets)
+    spare = [polygons[:, -1:]] * (4 - polygons.shape[1]) + [below[:, -1:]] * (4 - polygons.shape[1])
+    corners = np.concatenate([polygons, below, *spare], axis=1)
+    half, axes = np.full((len(polygons), 3), np.nan), np.tile(np.eye(3), (len(polygons), 1, 1))
+    if polygons.shape[1] == 4:
+        box = is_rectangle(polygons) & (length.min(axis=1) > MIN_ALTITUDE_M) & ~insets.any(axis=1)
+        half[box] = np.stack([length[box, 0], length[box, 1], np.full(int(box.sum()), PRISM_M)], axis=1) / 2
+        across = np.cross(normal[box], along[box, 0])
+        axes[box] = np.stack([along[box, 0], across, normal[box]], axis=2)
+    return Pieces(corners, half, axes)
+
+
+def _moved_in(polygons: Floats, along: Floats, normal: Floats, insets: Floats) -> Floats:
+    """How the corners [n, C, 3] move when the edges move in by `insets` [n, C], as far as there is room."""
+    inward = np.cross(np.broadcast_to(normal[:, None], along.shape), along)
+    middle = polygons.mean(axis=1, keepdims=True)
+    room = ((middle - polygons) * inward).sum(axis=2)
+    worst = (insets / np.maximum(room, 1e-12)).max(axis=1, initial=0.0)
+    insets = insets * np.minimum(1.0, _MOST_INSET / np.maximum(worst, 1e-12))[:, None]
+    before, width = np.roll(inward, 1, axis=1), np.roll(insets, 1, axis=1)
+    # The corner's move x lies in the plane, with x . before = width and x . inward = inset.
+    cos = (before * inward).sum(axis=2)
+    scale = 1.0 / np.maximum(1 - cos**2, 1e-6)
+    a, b = (width - cos * insets) * scale, (insets - cos * width) * scale
+    return np.asarray(a[:, :, None] * before + b[:, :, None] * inward)

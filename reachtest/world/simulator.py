@@ -258,7 +258,8 @@ class MujocoSimulator:
         self._contacts = self._read()
 
     def _read(self) -> Contacts:
-        return read_contacts(self._batch.sensor, self._controller.slope_cos)
+        slope_cos, radius_m = self._controller.slope_cos, self.character.radius_m
+        return read_contacts(self._batch.sensor, slope_cos, radius_m)
 
     def _deepest(self) -> Floats:
         """Signed distance [B] of the closest contact; positive where there is none."""

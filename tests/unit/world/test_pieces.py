@@ -95,10 +95,10 @@ def test_two_planes_and_a_bent_arrow_stay_two_triangles() -> None:
 @given(seed=st.integers(0, 10_000))
 @settings(max_examples=25, deadline=None)
 def test_pieces_fill_the_space_of_the_prisms(seed: int) -> None:
-    """Every point of a triangle's prism is in a piece, and every point of a thin piece is in a prism."""
+    """Every point of a triangle's prism is in a piece, and the other way round (where no edge is sharp)."""
     rng = np.random.default_rng(seed)
     across, along = rng.integers(1, 4, 2)
-    height = rng.choice([0.0, 0.2, 1.0], (across + 1, along + 1))
+    height = rng.choice([0.0, 0.2, 0.4], (across + 1, along + 1))
     triangles = turned(field(height * rng.integers(0, 2)))
     pieces = pieces_of(triangles)
     assert len(pieces) <= len(triangles)
@@ -169,3 +169,34 @@ def test_a_filled_template_touches_what_a_compiled_model_touches() -> None:
             assert seen[0][geom][0] == pytest.approx(seen[1][geom][0], abs=1e-3)
             assert abs(seen[0][geom][1] @ seen[1][geom][1]) > 0.99
     assert compared > 40
+
+
+def wedge(length: float, width: float, height: float) -> Floats:
+    """A ramp up along x, closed."""
+    a, b, c, d = [0, 0, 0], [length, 0, 0], [length, width, 0], [0, width, 0]
+    e, f = [length, 0, height], [length, width, height]
+    faces = [(a, d, c), (a, c, b), (a, b, e), (d, f, c), (b, c, f), (b, f, e), (a, e, f), (a, f, d)]
+    return np.array(faces, dtype=np.float64)
+
+
+def test_closed_convex_parts_are_one_piece_whichever_way_they_are_turned() -> None:
+    parts = [
+        wedge(4, 2, 3),
+        box([5, 0, 0], [6, 3, 2]),
+        turned(box([0, 9, 0], [2, 12, 4])),
+        wedge(1, 1, 1) + 20,
+    ]
+    pieces = pieces_of(np.concatenate(parts))
+    assert pieces.is_box.tolist() == [False, True, True, False]
+    assert sorted(pieces.half[2]) == pytest.approx([1.0, 1.5, 2.0])
+    assert pieces.high[0].tolist() == [4, 2, 3]
+
+
+def test_a_prism_does_not_stick_out_of_its_neighbour_at_a_sharp_edge() -> None:
+    """A ramp's back, extruded inwards, would rise above the ramp by up to its own thickness."""
+    open_ramp = wedge(4, 2, 3)[2:]  # no bottom: not closed
+    pieces = pieces_of(open_ramp)
+    assert len(pieces) > 1
+    slope = np.array([-3, 0, 4]) / 5
+    assert ((pieces.corners @ slope).max(axis=(0, 1))) < 1e-9
+    assert pieces.low[:, 2].min() > -PRISM_M - 1e-9
