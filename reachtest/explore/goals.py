@@ -9,9 +9,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.geometry import triangle_normals
-from reachtest.records import Floats, Ints, NavMesh
+from reachtest.records import Bools, Floats, Ints, NavMesh
 
 _SAMPLES_PER_GOAL = 12  # candidates a goal: enough that hardly a place farther than the spacing is left
+_LEAST_BLOCK = 500  # candidates: a tree for fewer costs more than it saves
 _COARSE_M = 8.0  # an episode's positions share few cells of this size
 _GOAL_SEED = 0x60A1  # goals belong to the level, not to the run: the same for every seed
 
@@ -34,19 +35,43 @@ def sample_goals(navmesh: NavMesh, spacing_m: float) -> Floats:
 
 
 def _thin(candidates: Floats, spacing_m: float) -> Floats:
-    grid: dict[tuple[int, int, int], list[int]] = {}
-    cells = np.floor(candidates / spacing_m).astype(int).tolist()
-    around = [(i, j, k) for i in (-1, 0, 1) for j in (-1, 0, 1) for k in (-1, 0, 1)]
-    kept: list[int] = []
-    for index, (x, y, z) in enumerate(cells):
-        rivals = [r for i, j, k in around for r in grid.get((x + i, y + j, z + k), ())]
-        if rivals:
-            away = candidates[rivals] - candidates[index]
-            if (away * away).sum(axis=1).min() < spacing_m**2:
-                continue
-        grid.setdefault((x, y, z), []).append(index)
-        kept.append(index)
-    return candidates[kept]
+    """The candidates [n, 3] that have none of those kept before them within the spacing, in their order.
+
+    A block at a time, as long as there are goals: most of a block lies near one of these and is gone at once.
+    """
+    kept = candidates[:0]
+    begin = 0
+    while begin < len(candidates):
+        block = candidates[begin : begin + max(_LEAST_BLOCK, len(kept))]
+        begin += len(block)
+        if len(kept):
+            _, nearest = cKDTree(kept).query(block, distance_upper_bound=_reach(spacing_m))
+            nearest = np.asarray(nearest)
+            beside = np.flatnonzero(nearest < len(kept))
+            crowded = _closer(block[beside], kept[nearest[beside]], spacing_m)
+            block = np.delete(block, beside[crowded], axis=0)
+        kept = np.concatenate([kept, _greedy(block, spacing_m)])
+    return kept
+
+
+def _greedy(points: Floats, spacing_m: float) -> Floats:
+    """The same among points [n, 3] that are few."""
+    pairs = cKDTree(points).query_pairs(_reach(spacing_m), output_type="ndarray")
+    pairs = pairs[_closer(points[pairs[:, 0]], points[pairs[:, 1]], spacing_m)]
+    keep = np.ones(len(points), dtype=np.bool_).tolist()
+    for first, second in sorted(map(tuple, pairs.tolist())):  # all that could drop `first` came before
+        if keep[first]:
+            keep[second] = False
+    return points[keep]
+
+
+def _closer(one: Floats, other: Floats, spacing_m: float) -> Bools:
+    away = one - other
+    return np.asarray((away * away).sum(axis=1) < spacing_m**2)
+
+
+def _reach(spacing_m: float) -> float:
+    return spacing_m * (1 + 1e-9)  # the tree's rounding; `_closer` decides
 
 
 class GoalSet:

@@ -12,8 +12,10 @@ import numpy as np
 
 from reachtest.errors import Problem
 from reachtest.geometry import ColumnIndex, triangle_normals
+from reachtest.levels.built_navmesh import TURNED_OVER
 from reachtest.levels.frames import UP_AXES, unit_name
 from reachtest.levels.reading import ReadLevel
+from reachtest.navmesh.build import BUILT, BUILT_BOTH, turned_over
 from reachtest.records import Floats, Level
 
 SAMPLES = 1000  # the share is then known to within 0.03
@@ -55,6 +57,9 @@ def check_navmesh(level: Level, index: ColumnIndex) -> tuple[list[Problem], list
     where = f"{level.file.name}: navmesh"
     points = _sample(level.navmesh.triangles)
     share = _floor_share(index, points)
+    if level.navmesh.format in (BUILT, BUILT_BOTH):  # from this very geometry: units and axes are the same
+        over = level.navmesh.format == BUILT and turned_over(level.collision, level.character.slope_limit_deg)
+        return [], [Problem(f"{where}.build", *TURNED_OVER)] if over else [], share
     name = level.navmesh.file
     slip = _explanation(level, index, points, share) if share < ODD_SHARE else ""
     if slip or share < LEAST_SHARE:

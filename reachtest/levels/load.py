@@ -12,18 +12,19 @@ import numpy as np
 
 from reachtest.errors import BadInput, Problem
 from reachtest.levels.build import build_primitive
+from reachtest.levels.built_navmesh import built_navmesh
 from reachtest.levels.check import check_level
 from reachtest.levels.document import merge, parse, read_yaml
 from reachtest.levels.frames import make_frame
 from reachtest.levels.meshes import (
     MESH_READERS,
-    NAVMESH_READERS,
-    Mesh,
     degenerate,
     file_problem,
     read_mesh,
 )
+from reachtest.levels.navmesh_formats import NAVMESH_SUFFIXES
 from reachtest.levels.primitives import PRIMITIVES
+from reachtest.levels.read_navmesh import NavMeshFile, read_navmesh
 from reachtest.levels.reading import Reading, ReadLevel
 from reachtest.levels.scene import Piece
 from reachtest.levels.schema import GeometrySpec, LevelSpec
@@ -59,10 +60,20 @@ def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
     return level
 
 
+def named_files(path: Path) -> dict[str, Path]:
+    """The level file and every file it names, by the name it goes by there. Raises BadInput."""
+    document, _ = read_yaml(path)
+    names = [name for _, name, *_ in _file_keys(document) if isinstance(name, str) and name]
+    return {path.name: path} | {name: path.parent / name for name in names}
+
+
 def _missing_files(document: Mapping[str, Any], path: Path) -> Iterator[Problem]:
     """The files that a document with other mistakes names in vain."""
     for where, name, types, what_for in _file_keys(document):
-        if isinstance(name, str) and name and (bad := file_problem(name, path.parent, types, what_for)):
+        if not isinstance(name, str) or not name:
+            continue
+        typed = types is not NAVMESH_SUFFIXES  # a nav-mesh's content says what it is
+        if bad := file_problem(name, path.parent, types, what_for, typed):
             yield Problem(f"{path.name}: {where}", *bad)
 
 
@@ -75,7 +86,7 @@ def _file_keys(document: Mapping[str, Any]) -> Iterator[tuple[str, Any, Collecti
             name = _get(_get(item, kind), "file")
             if primitive.files:
                 yield f"geometry[{index}].{kind}.file", name, primitive.files, kind
-    yield "navmesh.mesh", _get(document.get("navmesh"), "mesh"), NAVMESH_READERS, "mesh"
+    yield "navmesh.mesh", _get(document.get("navmesh"), "mesh"), NAVMESH_SUFFIXES, "mesh"
 
 
 def _get(value: Any, key: str) -> Any:
@@ -97,7 +108,7 @@ class _Builder:
         self.solids: list[Solid] = []
         self.parts: list[Part] = []
         self.contents: list[bytes] = []
-        self.navmesh: Mesh | None = None
+        self.navmesh: NavMeshFile | None = None
         self.collision_known = True
 
     def read(self) -> None:
@@ -115,10 +126,12 @@ class _Builder:
             remedy = "give at least one piece of geometry role: collision or both"
             self.problems.append(Problem(f"{self.path.name}: geometry", "has no collision surface", remedy))
             self.collision_known = False
+        if self.spec.navmesh.build is not None:
+            return
         try:
             where = f"{self.path.name}: navmesh"
-            self.navmesh = read_mesh(self.spec.navmesh, self.folder, self.spec.frame, NAVMESH_READERS, where)
-            self.contents.append(self.navmesh.digest_data)
+            self.navmesh = read_navmesh(self.spec.navmesh, self.folder, self.spec.frame, where)
+            self.contents.append(self.navmesh.mesh.digest_data)
         except BadInput as error:
             self.problems += error.problems
 
@@ -154,7 +167,7 @@ class _Builder:
         collision = collision[~thin]
         low, high = collision.min(axis=(0, 1)), collision.max(axis=(0, 1))
         kill_z = spec.kill_z_m if spec.kill_z_m is not None else float(low[2]) - KILL_BELOW_M
-        navmesh, thin_nav = self._navmesh()
+        navmesh, thin_nav = self._built(collision) if spec.navmesh.build else self._navmesh()
         return ReadLevel(
             name=spec.name or self.path.resolve().parent.name or "level",
             file=self.path,
@@ -184,18 +197,24 @@ class _Builder:
         return self.frame.to_level(np.array(position))
 
     def _navmesh_frame(self) -> Frame:
-        return self.navmesh.frame if self.navmesh else self.frame
+        return self.navmesh.mesh.frame if self.navmesh else self.frame
 
     def _navmesh(self) -> tuple[NavMesh, int]:
         """The nav-mesh without degenerate triangles, and their number; empty if it could not be read."""
         if self.navmesh is None:
             return NavMesh(str(self.spec.navmesh.mesh), np.zeros((0, 3)), np.zeros((0, 3), np.int64)), 0
-        pieces = self.navmesh.pieces
-        starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-        vertices = np.concatenate([piece.vertices for piece in pieces])
-        faces = np.concatenate([piece.faces + start for piece, start in zip(pieces, starts, strict=False)])
-        thin = degenerate(vertices[faces])
-        return NavMesh(self.navmesh.file, vertices, faces[~thin]), int(thin.sum())
+        return self.navmesh.navmesh, self.navmesh.degenerate
+
+    def _built(self, collision: Floats) -> tuple[NavMesh, int]:
+        """A nav-mesh built from the collision triangles; empty if the input is wrong anyway."""
+        if self.problems or not self.spec.navmesh.build:
+            return NavMesh("", np.zeros((0, 3)), np.zeros((0, 3), np.int64)), 0
+        where = f"{self.path.name}: navmesh.build"
+        navmesh, problems = built_navmesh(
+            self.spec.navmesh.build, self.spec.character.character(), collision, where
+        )
+        self.problems += problems
+        return navmesh, 0
 
     def _bounds(self, low: Floats, high: Floats, kill_z: float) -> tuple[Floats, Floats]:
         if self.spec.bounds_m:

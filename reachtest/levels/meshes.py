@@ -5,7 +5,8 @@ Shape legend: V vertices, F triangles.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -15,10 +16,7 @@ import numpy as np
 from reachtest.errors import BadInput, Problem
 from reachtest.levels.fields import nearest
 from reachtest.levels.frames import make_frame
-from reachtest.levels.read_aas import read_aas
-from reachtest.levels.read_detour import read_detour
 from reachtest.levels.read_gltf import external_files, read_glb, read_gltf
-from reachtest.levels.read_godot import read_godot
 from reachtest.levels.read_mjcf import read_mjcf
 from reachtest.levels.read_obj import read_obj
 from reachtest.levels.read_plain import read_ply, read_stl
@@ -38,31 +36,15 @@ MESH_READERS: dict[str, MeshReader] = {
 }
 """One new file and one line to add one."""
 
-NAVMESH_READERS: dict[str, MeshReader] = {
-    ".obj": read_obj,
-    ".glb": read_glb,
-    ".gltf": read_gltf,
-    ".bin": read_detour,
-    ".navmesh": read_detour,
-    ".tres": read_godot,
-    ".tscn": read_godot,
-    ".aas": read_aas,
-}
-
 FORMAT_UP_AXIS = {
     ".glb": "y",  # glTF 2.0, section 3.4
     ".gltf": "y",
     ".xml": "z",  # MuJoCo
-    ".bin": "y",  # Recast, whatever the engine around it does
-    ".navmesh": "y",
-    ".tres": "y",  # Godot
-    ".tscn": "y",
-    ".aas": "z",  # Quake III
 }
 """What a format fixes; other files have the frame's axes."""
 
-FORMAT_UNITS = {".xml": "m", ".tres": "m", ".tscn": "m"}
-"""Likewise: SI in MuJoCo's defaults, Godot's 3D units. A Quake unit is what its level says."""
+FORMAT_UNITS = {".xml": "m"}
+"""Likewise: SI in MuJoCo's defaults."""
 
 THINNEST_M = 1e-6  # below the resolution of 32-bit coordinates in any level: no surface, only rounding
 
@@ -78,11 +60,14 @@ class Mesh:
 
 
 def file_problem(
-    name: str, folder: Path, readers: Collection[str], what_for: str = "mesh"
+    name: str, folder: Path, readers: Collection[str], what_for: str = "mesh", typed: bool = True
 ) -> tuple[str, str] | None:
-    """What is wrong with the file's name, and the remedy; None where it can be read."""
+    """What is wrong with the file's name, and the remedy; None where it can be read.
+
+    Of a file that is `typed`, the suffix must be one of `readers`.
+    """
     path = folder / name
-    if path.suffix.lower() not in readers:
+    if typed and path.suffix.lower() not in readers:
         what = f"of type {path.suffix!r}" if path.suffix else "without a type"
         return f"{name} is a file {what}", f"export it as one of {' '.join(sorted(readers))}"
     if path.is_file():
@@ -110,27 +95,47 @@ def read_mesh(
         raise BadInput([Problem(f"{where}.mesh", *problem)])
     path = folder / name
     suffix = path.suffix.lower()
-    try:
+    with guarded(name, where):
         data = path.read_bytes()
         pieces = readers[suffix](data, path)
+    attached = _attached(data, path, pieces)
+    up_axis = spec.up_axis or FORMAT_UP_AXIS.get(suffix, frame.up_axis)
+    units = spec.units or FORMAT_UNITS.get(suffix) or frame.units
+    own, found = placed(pieces, spec, (up_axis, units), name, where)
+    return Mesh(name, data + attached, own, found)
+
+
+@contextmanager
+def guarded(name: str, where: str) -> Iterator[None]:
+    """Whatever goes wrong while the file `name` is read becomes BadInput."""
+    try:
+        yield
+    except BadInput:
+        raise
     except Unreadable as error:
         raise BadInput([Problem(f"{where}.mesh", f"{name} {error.found}", error.remedy)]) from error
     except Exception as error:  # readers of other people's formats raise anything
         found = f"{name} cannot be read: {type(error).__name__}: {error}".rstrip(": ")
         remedy = "the file is damaged or cut off: export it again and check that it opens elsewhere"
         raise BadInput([Problem(f"{where}.mesh", found, remedy)]) from error
-    attached = _attached(data, path, pieces)
+
+
+def placed(
+    pieces: list[Piece], spec: MeshSpec, axes: tuple[str, str | float], name: str, where: str
+) -> tuple[Frame, tuple[Piece, ...]]:
+    """The frame of a file with this up axis and these units, and its chosen pieces in level coordinates.
+
+    Raises BadInput for what makes them unusable.
+    """
     pieces = _chosen(pieces, spec, where, name)
     if problems := [Problem(f"{where}.mesh", *bad) for bad in _defects(pieces, name)]:
         raise BadInput(problems)
-    up_axis = spec.up_axis or FORMAT_UP_AXIS.get(suffix, frame.up_axis)
-    units = spec.units or FORMAT_UNITS.get(suffix) or frame.units
-    own = make_frame(up_axis, units, spec.scale, spec.flip_x)
-    placed = tuple(_placed(piece, own) for piece in pieces)
-    if all(degenerate(piece.triangles).all() for piece in placed):
+    own = make_frame(*axes, spec.scale, spec.flip_x)
+    result = tuple(_placed(piece, own) for piece in pieces)
+    if all(degenerate(piece.triangles).all() for piece in result):
         found = f"all triangles of {name} are thinner than {THINNEST_M:g} m"
         raise BadInput([Problem(f"{where}.mesh", found, "check units and scale, or export it again")])
-    return Mesh(name, data + attached, own, placed)
+    return own, result
 
 
 def _attached(data: bytes, path: Path, pieces: list[Piece]) -> bytes:

@@ -21,15 +21,15 @@ from reachtest.levels.sections import Section
 
 DAMAGED = "the file is damaged or cut off: export it again"
 
-_SET_MAGIC, _SET_HEADER_BYTES, _SETTINGS_BYTES = b"TESM", 40, 56
+SET_MAGIC, SET_HEADER_BYTES, SETTINGS_BYTES = b"TESM", 40, 56
+SLOPE_AT = 20  # of the settings: cell size and height, then height, radius, climb and slope of the agent
 _FIRST_TILE = {  # by version of the set: where the first tile may stand
-    1: (_SET_HEADER_BYTES,),
-    2: (_SET_HEADER_BYTES + _SETTINGS_BYTES, _SET_HEADER_BYTES),  # Habitat's build settings; others have none
+    1: (SET_HEADER_BYTES,),
+    2: (SET_HEADER_BYTES + SETTINGS_BYTES, SET_HEADER_BYTES),  # Habitat's build settings; others have none
 }
-_OTHER_FILES = {
+OTHER_FILES = {
     b"MSET": ("is a big-endian tile set", "export it on a little-endian machine"),
     b"TEST": ("is a tile cache, whose tiles are compressed", "export the nav-mesh itself (dtNavMesh)"),
-    b"glTF": ("is a GLB file", "name it .glb"),
 }
 
 
@@ -70,14 +70,14 @@ def _fitting(
 
 def _set_header(data: bytes) -> tuple[int, int]:
     """Number of tiles and version that the set states."""
-    if data[:4] in _OTHER_FILES:
-        found, remedy = _OTHER_FILES[data[:4]]
+    if data[:4] in OTHER_FILES:
+        found, remedy = OTHER_FILES[data[:4]]
         raise Unreadable(f"{found} ({data[:4]!r} at byte 0)", remedy)
-    if data[:4] != _SET_MAGIC:
-        found = f"starts with {data[:4]!r}, which is no Detour tile set ({_SET_MAGIC!r}) at byte 0"
+    if data[:4] != SET_MAGIC:
+        found = f"starts with {data[:4]!r}, which is no Detour tile set ({SET_MAGIC!r}) at byte 0"
         raise Unreadable(found, "save the nav-mesh as Recast's demo does, or export it as OBJ or GLB")
-    if len(data) < _SET_HEADER_BYTES:
-        _bad(f"ends at byte {len(data)}, within its header of {_SET_HEADER_BYTES} bytes")
+    if len(data) < SET_HEADER_BYTES:
+        _bad(f"ends at byte {len(data)}, within its header of {SET_HEADER_BYTES} bytes")
     _, version, count = np.frombuffer(data, "<i4", 3).tolist()
     if version not in _FIRST_TILE:
         valid = " or ".join(map(str, _FIRST_TILE))

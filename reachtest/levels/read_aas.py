@@ -11,9 +11,9 @@ from typing import NoReturn
 import numpy as np
 
 from reachtest.levels.fields import FARTHEST
-from reachtest.levels.scene import Piece, Unreadable
+from reachtest.levels.scene import NavFile, Piece, Unreadable
 from reachtest.levels.sections import Array, Section
-from reachtest.records import Bools, Ints
+from reachtest.records import Bools, Ints, NavAgent, NavLink
 
 _DAMAGED = "the file is damaged or cut off: compile it again"
 _MAGIC, _HEADER_BYTES, _LUMPS_AT, _LUMPS = b"EAAS", 124, 12, 14
@@ -35,13 +35,84 @@ _LUMP = {  # number and record of every lump that is read
         np.dtype([("number", "<i4"), ("count", "<i4"), ("first", "<i4"), ("box_and_centre", "<f4", (9,))]),
     ),
     "area settings": (8, np.dtype([("contents", "<i4"), ("flags", "<i4"), ("rest", "<i4", (5,))])),
+    "reachability": (
+        9,
+        np.dtype(
+            [("to", "<i4", (3,)), ("ends", "<f4", (2, 3)), ("kind", "<i4"), ("time", "<u2"), ("pad", "<u2")]
+        ),
+    ),
 }
+_BOX_FIELDS = [("presence", "<i4"), ("flags", "<i4"), ("corners", "<f4", (2, 3))]
+_BOXES = (np.dtype(_BOX_FIELDS), np.dtype([_BOX_FIELDS[0], _BOX_FIELDS[2]]))  # lump 0 has one or the other
+_STANDING, _PRESENCES = 2, (1, 2, 4)  # PRESENCE_NORMAL; none, standing, crouching
+
+_TRAVEL_MASK = 0xFFFFFF  # above it are flags of the team that may use it
+_TRAVEL = {
+    4: "barrier jump",
+    5: "jump",
+    6: "ladder",
+    7: "walk off ledge",
+    8: "swim",
+    9: "water jump",
+    10: "teleport",
+    11: "elevator",
+    12: "rocket jump",
+    13: "BFG jump",
+    14: "grapple",
+    15: "double jump",
+    16: "ramp jump",
+    17: "strafe jump",
+    18: "jump pad",
+    19: "moving platform",
+}
+"""Kinds of reachability that the surface does not show; 2 and 3, walking and crouching, it does."""
 
 
-def read_aas(data: bytes, path: Path) -> list[Piece]:
+def is_aas(data: bytes) -> bool:
+    """Whether a file is an area file."""
+    return data[:4] == _MAGIC
+
+
+def read_aas(data: bytes, path: Path) -> NavFile:
     """The ground faces of the areas one can stand in, as one piece, wound to face up. Raises Unreadable."""
     file = _File(data)
-    corners, sizes = _loops(file, _ground_faces(file))
+    ground = _ground_faces(file)
+    version = int.from_bytes(data[4:8], "little")
+    return NavFile(
+        [_surface(file, ground, path.stem)],
+        f"Quake III AAS, version {version}",
+        len(ground),
+        _agent(file.boxes()),
+        _links(file),
+    )
+
+
+def _agent(boxes: Array) -> NavAgent:
+    """Of the box that a standing player is."""
+    standing = boxes["corners"][boxes["presence"] == _STANDING]
+    if not len(standing):
+        return NavAgent()
+    size = standing[0, 1].astype(np.float64) - standing[0, 0]
+    if not ((size > 0) & (size < FARTHEST)).all():
+        _bad(f"has a player of {' x '.join(f'{each:g}' for each in size)} (lump at byte {_LUMPS_AT})")
+    return NavAgent(radius_m=float(size[:2].max() / 2), height_m=float(size[2]))
+
+
+def _links(file: _File) -> tuple[NavLink, ...]:
+    records = file.read("reachability")
+    kinds = records["kind"] & _TRAVEL_MASK
+    chosen = np.flatnonzero(np.isin(kinds, list(_TRAVEL)))
+    far = ~(np.abs(records["ends"][chosen]) <= FARTHEST).all(axis=(1, 2))
+    file.refuse(far, "reachability", "with an end that is NaN, infinite or too far away", chosen)
+    ends = records["ends"][chosen].astype(np.float64)
+    return tuple(
+        NavLink(_TRAVEL[kind], start, end, 0.0, False)
+        for kind, (start, end) in zip(kinds[chosen].tolist(), ends, strict=True)
+    )
+
+
+def _surface(file: _File, ground: Ints, name: str) -> Piece:
+    corners, sizes = _loops(file, ground)
     faces = _fans(corners, sizes)
     used, faces = np.unique(faces, return_inverse=True)
     vertices, faces = file.read("vertexes")[used].astype(np.float64), faces.reshape(-1, 3)
@@ -49,7 +120,7 @@ def read_aas(data: bytes, path: Path) -> list[Piece]:
     first, second = b - a, c - a
     down = first[:, 0] * second[:, 1] < first[:, 1] * second[:, 0]
     faces[down] = faces[down, ::-1]
-    return [Piece(path.stem, vertices, faces)]
+    return Piece(name, vertices, faces)
 
 
 class _File:
@@ -66,6 +137,16 @@ class _File:
         if size % dtype.itemsize:
             _bad(f"has {size} bytes of {name} at byte {at}, no multiple of {dtype.itemsize}")
         return Section(at, dtype, size // dtype.itemsize)
+
+    def boxes(self) -> Array:
+        """The boxes of a player by posture; none where they have neither size that is known."""
+        at, size = self._lumps[0].tolist()
+        for dtype in _BOXES:
+            if size and size % dtype.itemsize == 0:
+                boxes = Section(at, dtype, size // dtype.itemsize).read(self._data)
+                if np.isin(boxes["presence"], _PRESENCES).all():
+                    return boxes
+        return np.zeros(0, _BOXES[0])
 
     def read(self, name: str) -> Array:
         """All records of a lump."""

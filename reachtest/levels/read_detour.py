@@ -14,11 +14,20 @@ from pathlib import Path
 import numpy as np
 
 from reachtest.levels.fields import FARTHEST
-from reachtest.levels.navmesh_layout import field_offset
+from reachtest.levels.navmesh_layout import TILE_MAGIC, Layout, field_offset
 from reachtest.levels.navmesh_surface import OffMesh, Surface, tile_surface
-from reachtest.levels.navmesh_tiles import DAMAGED, Tile, find_tiles
-from reachtest.levels.scene import Piece, Unreadable
-from reachtest.records import Floats, Ints
+from reachtest.levels.navmesh_tiles import (
+    DAMAGED,
+    OTHER_FILES,
+    SET_HEADER_BYTES,
+    SET_MAGIC,
+    SETTINGS_BYTES,
+    SLOPE_AT,
+    Tile,
+    find_tiles,
+)
+from reachtest.levels.scene import NavFile, Piece, Unreadable
+from reachtest.records import Floats, Ints, NavAgent, NavLink
 
 
 @dataclass(frozen=True)
@@ -31,12 +40,27 @@ class DetourMesh:
     agent_height: float  # what the mesh was built for
     agent_radius: float
     agent_climb: float
+    agent_slope: float | None  # [deg] only Habitat's settings have it
 
 
-def read_detour(data: bytes, path: Path) -> list[Piece]:
-    """The walkable surface of a Detour nav-mesh, as one piece. Raises Unreadable."""
-    surface = detour_mesh(data).surface
-    return [Piece(path.stem, surface.vertices, surface.faces)]
+def is_detour(data: bytes) -> bool:
+    """Whether a file is a tile set, a bare tile, or something that is told apart from them by name."""
+    return data[:4] in (SET_MAGIC, TILE_MAGIC, *OTHER_FILES)
+
+
+def read_detour(data: bytes, path: Path) -> NavFile:
+    """The walkable surface of a Detour nav-mesh, as one piece, and its off-mesh links. Raises Unreadable."""
+    mesh = detour_mesh(data)
+    surface, off_mesh = mesh.surface, mesh.surface.off_mesh
+    piece = Piece(path.stem, surface.vertices, surface.faces, surface.area[surface.polygon])
+    # A builder that was told nothing writes 0: no agent is that small.
+    numbers = (mesh.agent_radius, mesh.agent_height, mesh.agent_climb, mesh.agent_slope)
+    links = tuple(
+        NavLink("off-mesh", start, end, float(radius), bool(both))
+        for (start, end), radius, both in zip(off_mesh.ends, off_mesh.radius, off_mesh.both_ways, strict=True)
+    )
+    agent = NavAgent(*(number or None for number in numbers))
+    return NavFile([piece], mesh.layout, len(surface.area), agent, links)
 
 
 def detour_mesh(data: bytes) -> DetourMesh:
@@ -51,7 +75,19 @@ def detour_mesh(data: bytes) -> DetourMesh:
     if not len(surface.faces):
         found = f"holds no triangles in {len(tiles)} tiles, the first at byte {tiles[0].at if tiles else 40}"
         raise Unreadable(found, "build the nav-mesh before it is exported")
-    return DetourMesh(layout.name, len(tiles), _turned(surface) if layout.unreal else surface, *agent)
+    name, slope = _habitat(data, layout, tiles)
+    return DetourMesh(name, len(tiles), _turned(surface) if layout.unreal else surface, *agent, slope)
+
+
+def _habitat(data: bytes, layout: Layout, tiles: list[Tile]) -> tuple[str, float | None]:
+    """The name of the layout, and the steepest slope [deg], where Habitat's settings precede the tiles."""
+    if tiles[0].at != SET_HEADER_BYTES + SETTINGS_BYTES + layout.entry.itemsize:
+        return layout.name, None
+    at = SET_HEADER_BYTES + SLOPE_AT
+    slope = float(np.frombuffer(data, "<f4", 1, at)[0])
+    if not 0 <= slope <= 90:
+        raise Unreadable(f"states a slope of {slope:g} degrees at byte {at}", DAMAGED)
+    return f"Habitat 2 ({layout.name})", slope
 
 
 def _agent(tiles: list[Tile]) -> tuple[float, float, float]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from reachtest.levels.scene import Piece, Unreadable, read_scene
+from reachtest.levels.scene import NavFile, Piece, Unreadable, read_scene
 
 _UNCOMPRESSED = "export without compression, or run `gltf-transform cp` on it, which decompresses"
 GEOMETRY_EXTENSIONS = {
@@ -38,6 +38,26 @@ def read_gltf(data: bytes, path: Path) -> list[Piece]:
     tree = _json_object(data)
     _check(tree, path)
     return read_scene(_for_trimesh(tree), path, "gltf", skip_materials=True)
+
+
+def is_glb(data: bytes) -> bool:
+    """Whether a file is binary glTF."""
+    return data[:4] == b"glTF"
+
+
+def is_gltf(data: bytes) -> bool:
+    """Whether a file is glTF in text."""
+    return data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in data
+
+
+def read_glb_navmesh(data: bytes, path: Path) -> NavFile:
+    """The nodes of a binary glTF file."""
+    return NavFile(read_glb(data, path), "glTF, binary")
+
+
+def read_gltf_navmesh(data: bytes, path: Path) -> NavFile:
+    """The nodes of a glTF file."""
+    return NavFile(read_gltf(data, path), "glTF")
 
 
 def _for_trimesh(tree: dict[str, Any]) -> bytes:

@@ -15,8 +15,8 @@ from typing import NoReturn, TypeVar
 import numpy as np
 
 from reachtest.levels.fields import FARTHEST
-from reachtest.levels.scene import Piece, Unreadable
-from reachtest.records import Floats, Ints
+from reachtest.levels.scene import NavFile, Piece, Unreadable
+from reachtest.records import Floats, Ints, NavAgent
 
 _DAMAGED = "the file is damaged or cut off: save it again in Godot"
 _NO_MESH = (
@@ -54,7 +54,18 @@ class _Section:
     end: int
 
 
-def read_godot(data: bytes, path: Path) -> list[Piece]:
+_AGENT = {"radius": 0.5, "height": 1.5, "max_climb": 0.25, "max_slope": 45.0}
+"""What Godot 4 does not write because it is its default; Godot 3 had others from release to release."""
+
+
+def is_godot(data: bytes) -> bool:
+    """Whether a file is a scene or a resource in Godot's text format."""
+    return (
+        re.match(rb"(?:\xef\xbb\xbf)?\s*(?:;[^\n]*\n\s*)*\[gd_(?:scene|resource)\b", data[:4096]) is not None
+    )
+
+
+def read_godot(data: bytes, path: Path) -> NavFile:
     """One piece for every region of a scene, or for every mesh no region of the file has. Raises Unreadable.
 
     Regions are placed by the transforms of their node and its parents. y up, as the file has it.
@@ -65,15 +76,34 @@ def read_godot(data: bytes, path: Path) -> list[Piece]:
     resources = dict(_resources(sections))
     meshes = {key: mesh for key, at in resources.items() if (mesh := _mesh(masked, at))}
     places = _placements(text, masked, sections)
-    pieces = []
-    for key, (vertices, faces) in meshes.items():
+    pieces, polygons = [], 0
+    for key, (vertices, faces, count) in meshes.items():
         for name, matrix in places.get(key) or [(path.stem, np.eye(4))]:
             pieces.append(Piece(name, vertices @ matrix[:3, :3].T + matrix[:3, 3], faces))
+            polygons += count
     if not pieces:
         lines = [str(text.count("\n", 0, at.start) + 1) for at in resources.values()]
         empty = f", those in line {', '.join(lines[:8])} are empty" if lines else ""
         raise Unreadable(f"holds no triangles: no baked NavigationMesh{empty}", _NO_MESH)
-    return pieces
+    packed = "Packed" in masked  # Godot 3 calls its arrays Pool...
+    agent = _agent(masked, resources[next(iter(meshes))], packed)
+    return NavFile(pieces, f"Godot {4 if packed else 3}", polygons, agent)
+
+
+def _agent(text: str, section: _Section, defaults: bool) -> NavAgent:
+    """The agent that one resource was baked for."""
+    numbers: dict[str, float | None] = dict(_AGENT) if defaults else dict.fromkeys(_AGENT)
+    for key in numbers:
+        line = re.compile(rf"^agent[_/]{key}\s*=\s*([^\n]*)", re.MULTILINE)
+        if match := line.search(text, section.start, section.end):
+            try:
+                number = float(match[1])
+            except ValueError:
+                _bad(text, match.start(1), f"has an agent_{key} of {match[1][:40]!r}")
+            if not 0 <= number <= FARTHEST:
+                _bad(text, match.start(1), f"has an agent_{key} of {match[1][:40]}")
+            numbers[key] = number
+    return NavAgent(*numbers.values())
 
 
 def _bad(text: str, at: int, found: str) -> NoReturn:
@@ -118,8 +148,8 @@ def _resources(sections: list[_Section]) -> Iterator[tuple[str, _Section]]:
             yield section.attributes.get("id", ""), section
 
 
-def _mesh(text: str, section: _Section) -> tuple[Floats, Ints] | None:
-    """Vertices [V, 3] and triangles [F, 3]; None for a mesh that is not baked."""
+def _mesh(text: str, section: _Section) -> tuple[Floats, Ints, int] | None:
+    """Vertices [V, 3], triangles [F, 3] and the number of polygons; None for a mesh that is not baked."""
     points = _VERTICES.search(text, section.start, section.end)
     if points is None:
         return None
@@ -129,8 +159,9 @@ def _mesh(text: str, section: _Section) -> tuple[Floats, Ints] | None:
         return None
     if len(vertices) % 3:
         _bad(text, points.start(), f"has {len(vertices)} coordinates of vertices, no multiple of 3,")
-    faces = [fan for corners in _polygons(text, polygons.end(), len(vertices) // 3) for fan in _fan(corners)]
-    return (vertices.reshape(-1, 3), np.array(faces, dtype=np.int64)) if faces else None
+    loops = list(_polygons(text, polygons.end(), len(vertices) // 3))
+    faces = np.array([fan for corners in loops for fan in _fan(corners)], dtype=np.int64)
+    return (vertices.reshape(-1, 3), faces, len(loops)) if loops else None
 
 
 def _fan(corners: list[int]) -> list[tuple[int, int, int]]:

@@ -6,7 +6,9 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from reachtest.levels.scene import Piece, Unreadable, read_scene
+from reachtest.levels.fields import FARTHEST
+from reachtest.levels.scene import NavFile, Piece, Unreadable, read_scene
+from reachtest.records import NavAgent
 
 _SHORT_FACE = re.compile(rb"^f(?:[ \t]+\S+){0,2}[ \t\r]*$", re.MULTILINE)
 _ZERO_INDEX = re.compile(rb"^f(?:[ \t]+\S+)*?[ \t]+0(?:/|\s|$)", re.MULTILINE)
@@ -18,6 +20,37 @@ def read_obj(data: bytes, path: Path) -> list[Piece]:
     _refuse_misread(data)
     pieces = read_scene(data, path, "obj", **_OPTIONS)
     return [_named(piece, path) for piece in pieces]
+
+
+_AGENT = {b"agr": "radius_m", b"agh": "height_m", b"amc": "climb_m", b"ams": "slope_deg"}
+_AGENT_LINE = re.compile(rb"^rd_(agr|agh|amc|ams)[ \t]+(\S+)", re.MULTILINE)
+_FACE = re.compile(rb"^f[ \t]", re.MULTILINE)
+_VERTEX = re.compile(rb"^v[ \t]+[-+.\d]", re.MULTILINE)
+
+
+def is_obj(data: bytes) -> bool:
+    """Whether a file is text with a line that states a vertex."""
+    return b"\0" not in data[:4096] and _VERTEX.search(data) is not None
+
+
+def read_obj_navmesh(data: bytes, path: Path) -> NavFile:
+    """An OBJ with the `rd_*` lines in which Recast's exporters state the agent. Raises Unreadable."""
+    pieces = read_obj(data, path)
+    numbers: dict[str, float] = {}
+    for match in _AGENT_LINE.finditer(data):
+        try:
+            number = float(match[2])
+        except ValueError:
+            number = -1.0
+        if not 0 <= number <= FARTHEST:
+            found = f"has 'rd_{match[1].decode()} {match[2][:40].decode(errors='replace')}'"
+            raise Unreadable(
+                f"{found} in line {_line(data, match.start())}", "write a number >= 0, or remove it"
+            )
+        if number:  # Unreal's exporter cuts the climb down to a whole number: 0 says nothing
+            numbers[_AGENT[match[1]]] = number
+    polygons = sum(1 for _ in _FACE.finditer(data))
+    return NavFile(pieces, "OBJ with rd_ lines" if numbers else "OBJ", polygons, NavAgent(**numbers))
 
 
 # A name for every `o` and `g`; materials would only split the pieces further.

@@ -5,14 +5,14 @@ from __future__ import annotations
 import io
 import warnings
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from reachtest.records import Floats, Ints
+from reachtest.records import Floats, Ints, NavAgent, NavLink
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,23 @@ class Piece:
     name: str
     vertices: Floats  # [V, 3]
     faces: Ints  # [F, 3]
+    areas: Ints | None = None  # [F] area types, of a nav-mesh that has some
 
     @property
     def triangles(self) -> Floats:
         """Corner positions [F, 3, 3]."""
         return self.vertices[self.faces]
+
+
+@dataclass(frozen=True)
+class NavFile:
+    """What a nav-mesh file says, in its own axes and units."""
+
+    pieces: list[Piece]
+    format: str  # for people
+    polygons: int | None = None  # of all pieces; None: the format has triangles only
+    agent: NavAgent = field(default_factory=NavAgent)
+    links: tuple[NavLink, ...] = ()
 
 
 class Unreadable(Exception):

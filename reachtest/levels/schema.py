@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, GetJsonSchemaHandler, create_model, field_validator, model_validator
+from pydantic import Field, GetJsonSchemaHandler, ValidationInfo, create_model, field_validator, model_validator
 from pydantic_core import CoreSchema
 
 from reachtest.levels.fields import Duration, Name, Number, OneOf, Point, Spec, Units
 from reachtest.levels.frames import UP_AXES
+from reachtest.levels.navmesh_formats import AUTO, NAVMESH_FORMATS
 from reachtest.levels.presets import DEFAULTS, PRESETS
 from reachtest.levels.primitives import PRIMITIVES, AlignedBox
-from reachtest.records import KINDS, Character, ExploreSettings
+from reachtest.records import KINDS, SEVERITIES, Character, ExploreSettings
 
 FAIL_ON = ("unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "required_unreached")
 _EXPLORE = ExploreSettings()
 
 UpAxis = Annotated[str, OneOf(UP_AXES)]
 PresetName = Annotated[str, OneOf(PRESETS)]
-Kind = Annotated[str, OneOf(KINDS)]
+Gated = Annotated[str, OneOf((*KINDS, *SEVERITIES))]
+NavMeshFormat = Annotated[str, OneOf((AUTO, *NAVMESH_FORMATS))]
 ZoneKind = Annotated[str, OneOf(("forbidden", "allowed_off_mesh"))]
 
 
@@ -94,14 +96,53 @@ else:
     )
 
 
-class NavMeshSpec(MeshSpec):
-    """The game's navigation mesh."""
-
-    mesh: Name = Field(description="Nav-mesh file, relative to this file.")
-
-
 def _number(text: str, *, above: float | None = None, least: float | None = None, most: float) -> Any:
     return Field(None, gt=above, ge=least, le=most, description=text)
+
+
+class BuildSpec(Spec):
+    """How to build a nav-mesh; by default for the level's own character."""
+
+    cell_m: float | None = _number(
+        "Width of a voxel [m]. Default: half the radius; a third is finer.", above=0, most=10
+    )
+    cell_height_m: float | None = _number(
+        "Height of a voxel [m]. Default: about half its width, so that the climb is whole voxels.",
+        above=0,
+        most=10,
+    )
+    radius_m: float | None = _number(
+        "How far to stay off walls and edges [m]. Default: the character's radius.", least=0, most=100
+    )
+    height_m: float | None = _number("Head room [m]. Default: the character's height.", above=0, most=1000)
+    climb_m: float | None = _number("Highest step [m]. Default: the character's.", least=0, most=100)
+    slope_deg: float | None = _number("Steepest slope [deg]. Default: the character's.", above=0, most=89)
+    min_island_m2: float | None = _number(
+        "Smaller islands are left out [m2]. Default: 64 voxels.", least=0, most=1e6
+    )
+    faces: Literal["up", "any"] = Field(
+        "up", description="Which faces can be floors: those that face up, or, in levels inside out, any."
+    )
+
+
+class NavMeshSpec(MeshSpec):
+    """The game's navigation mesh: its file, or how to build one."""
+
+    mesh: Name | None = Field(None, description="Nav-mesh file, relative to this file.")
+    format: NavMeshFormat = Field(AUTO, description="Format of the file; auto: what its content says.")
+    build: BuildSpec | None = Field(
+        None, description="Build it from the geometry instead; {} takes the character's numbers."
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> NavMeshSpec:
+        given = [key for key in ("mesh", "build") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"must have exactly one of mesh, build; has {' and '.join(given) or 'none'}")
+        extra = sorted(self.model_fields_set - {"mesh", "build"})
+        if extra and given == ["build"]:
+            raise ValueError(f"{', '.join(extra)} can only go with 'mesh'")
+        return self
 
 
 class CharacterSpec(Spec):
@@ -246,6 +287,22 @@ class ExploreSpec(Spec):
         le=1000,
         description="Beyond this from the nav-mesh is unexpected [m].",
     )
+    directed: float = Field(
+        _EXPLORE.directed, ge=0, le=1, description="Share of the episodes that push towards an open goal."
+    )
+    effort: int = Field(
+        _EXPLORE.effort,
+        ge=0,
+        le=1_000_000,
+        description="Directed attempts from its border before a part of the nav-mesh counts as unreached.",
+    )
+    stop_when_done: bool = Field(
+        _EXPLORE.stop_when_done,
+        description=(
+            "Stop before the budget's end once every goal that counts and every required point is reached and the "
+            "risk is within gate.max_discovery_probability, which must be set."
+        ),
+    )
 
     @field_validator("heuristics")
     @classmethod
@@ -270,8 +327,12 @@ class ExploreSpec(Spec):
 class GateSpec(Spec):
     """What fails the run, and what a pass needs."""
 
-    fail_on: tuple[Kind, ...] = Field(
-        FAIL_ON, description="Kinds of findings that fail the run; [] for none."
+    fail_on: tuple[Gated, ...] = Field(
+        FAIL_ON,
+        description=(
+            "What fails the run: kinds of findings, 'error' for all errors, 'warning' for errors and warnings; "
+            "[] for none."
+        ),
     )
     min_goals_reached: float = Field(1.0, ge=0, le=1, description="Share of the goals a pass needs.")
     max_discovery_probability: float | None = Field(
@@ -279,6 +340,9 @@ class GateSpec(Spec):
         ge=0,
         le=1,
         description="A pass needs the probability of finding something new at or below this.",
+    )
+    baseline: Name | None = Field(
+        None, description="File of known bugs, relative to this file; 'reachtest baseline update' writes it."
     )
 
 
@@ -311,8 +375,18 @@ class LevelSpec(Spec):
         default_factory=lambda: ExploreSpec.model_validate({}), description="How to explore."
     )
     gate: GateSpec = Field(
-        default_factory=lambda: GateSpec.model_validate({}), description="What fails the run."
+        default_factory=lambda: GateSpec.model_validate({}),
+        validate_default=True,
+        description="What fails the run.",
     )
+
+    @field_validator("gate")
+    @classmethod
+    def _has_a_limit_to_stop_at(cls, value: GateSpec, info: ValidationInfo) -> GateSpec:
+        explore = info.data.get("explore")  # absent where it is wrong itself
+        if explore is not None and explore.stop_when_done and value.max_discovery_probability is None:
+            raise ValueError("explore.stop_when_done needs a max_discovery_probability to stop at")
+        return value
 
 
 def json_schema() -> dict[str, Any]:

@@ -144,6 +144,28 @@ def test_surface_distance_does_not_depend_on_who_else_is_asked_for() -> None:
     assert index.distance(points[:0]).shape == (0,)
 
 
+def test_surface_distance_of_many_points_is_that_of_few_at_a_time() -> None:
+    """Many are asked in another order and by several threads."""
+    rng = np.random.default_rng(9)
+    index = SurfaceIndex(soup(rng, 200), 3.0)
+    points = rng.uniform(-30, 30, (60_000, 3))
+    few = np.concatenate([index.distance(some) for some in np.array_split(points, 25)])
+    assert np.isfinite(few).sum() > 10_000
+    np.testing.assert_array_equal(index.distance(points), few)
+
+
+def test_distance_to_a_sliver_is_that_to_its_edges() -> None:
+    """Three corners in one line but for rounding: their normal may point anywhere."""
+    a, b = np.array([1.1, 2.3, 3.7]), np.array([17.3, -4.9, 8.1])
+    sliver = np.stack([a, b, a + 0.3 * (b - a)])
+    rng = np.random.default_rng(10)
+    points = a + rng.uniform(0, 1, (300, 1)) * (b - a) + rng.normal(0, 1, (300, 3))
+    share = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+    expected = np.linalg.norm(points - a - share[:, None] * (b - a), axis=1)
+    found = point_triangle_distance(points, np.broadcast_to(sliver, (300, 3, 3)))
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
 @pytest.mark.parametrize("far", [1e4, 1e7, -1e7, 1e15, np.nan, np.inf])
 def test_surface_distance_from_far_outside_is_infinite(far: float) -> None:
     index = SurfaceIndex(np.array([[[0.0, 0, 0], [2, 0, 0], [0, 2, 0]]]), 3.0)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reachtest.levels import MESH_READERS, NAVMESH_READERS, check_level, load_level
+from reachtest.levels import MESH_READERS, NAVMESH_FORMATS, check_level, load_level
 from tests.unit.levels.make import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
 
 FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}
@@ -26,10 +26,7 @@ def with_mesh(write_level: WriteLevel, name: str, data: bytes | str, **keys: Any
 
 def test_tables_hold_what_the_manual_promises() -> None:
     assert set(MESH_READERS) == {".obj", ".glb", ".gltf", ".ply", ".stl", ".xml"}
-    assert set(NAVMESH_READERS) == {
-        *(".obj", ".glb", ".gltf", ".bin", ".navmesh"),
-        *(".tres", ".tscn", ".aas"),
-    }
+    assert set(NAVMESH_FORMATS) == {"detour", "godot", "aas", "obj", "glb", "gltf"}
 
 
 def test_missing_file_lists_near_names(write_level: WriteLevel) -> None:

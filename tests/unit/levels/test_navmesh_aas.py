@@ -63,6 +63,11 @@ def aas(parts: dict[int, bytes], version: int = 5) -> bytes:
     return struct.pack("<4si", b"EAAS", version) + (scrambled(head) if version == 5 else head) + body
 
 
+def reach(kind: int, start: Any, end: Any) -> bytes:
+    """One record of the reachability lump."""
+    return struct.pack("<3i6fiHH", 2, 0, 0, *start, *end, kind, 10, 0)
+
+
 def scrambled(head: bytes) -> bytes:
     return bytes(byte ^ (i * 119 & 0xFF) for i, byte in enumerate(head))
 
@@ -81,7 +86,7 @@ def start_of(lump: int) -> int:
 
 
 def read(data: bytes) -> Piece:
-    (piece,) = read_aas(data, Path("q3dm1.aas"))
+    (piece,) = read_aas(data, Path("q3dm1.aas")).pieces
     return piece
 
 
@@ -214,7 +219,7 @@ def test_damage_is_refused_or_gives_a_sound_mesh(data: st.DataObject) -> None:
         raw[at] ^= data.draw(st.integers(1, 255))
     said, pieces = "", []
     try:
-        pieces = read_aas(bytes(raw), Path("a.aas"))
+        pieces = read_aas(bytes(raw), Path("a.aas")).pieces
     except Unreadable as error:
         said = error.found
     assert bool(pieces) or "byte" in said

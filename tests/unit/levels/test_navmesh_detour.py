@@ -15,11 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reachtest.errors import BadInput
-from reachtest.levels import NAVMESH_READERS, check_level, load_level
-from reachtest.levels.meshes import Mesh, read_mesh
+from reachtest.levels import check_level, load_level
+from reachtest.levels.meshes import Mesh
 from reachtest.levels.read_detour import DetourMesh, detour_mesh, read_detour
+from reachtest.levels.read_navmesh import read_navmesh
 from reachtest.levels.scene import Unreadable
-from reachtest.levels.schema import FrameSpec, MeshSpec
+from reachtest.levels.schema import FrameSpec, NavMeshSpec
 from tests.unit.levels.make import WriteLevel, only_problem
 
 SHARED = Path(__file__).parents[4] / "shared" / "levels"
@@ -112,7 +113,7 @@ def tile_set(*tiles: bytes, kind: str = "recast32", version: int = 1, settings_b
     return struct.pack("<4sii", b"TESM", version, len(tiles)) + params + settings_bytes + body
 
 
-HABITAT = struct.pack("<13f4?", *[0.05] * 13, True, True, True, False)
+HABITAT = struct.pack("<13f4?", *[0.05] * 5, 45.0, *[0.05] * 7, True, True, True, False)
 PEAK = Poly(  # a roof of four triangles over the square, its tip a detail vertex
     (0, 1, 2, 3),
     flags=5,
@@ -214,7 +215,8 @@ def test_habitat(kind: str) -> None:
     for version, between in ((1, b""), (2, HABITAT), (2, b"")):
         mesh = detour_mesh(tile_set(full_tile(kind), kind=kind, version=version, settings_bytes=between))
         assert surface_area(mesh) == surface_area(plain)
-        assert mesh.layout == plain.layout
+        assert mesh.layout == (f"Habitat 2 ({plain.layout})" if between else plain.layout)
+        assert mesh.agent_slope == (pytest.approx(45.0) if between else None)
 
 
 @pytest.mark.parametrize("kind", ["recast32", "recast64", "unreal"])
@@ -311,9 +313,7 @@ def test_wrong_number_is_named_by_its_byte(name: str) -> None:
     assert raised.value.remedy
 
 
-@pytest.mark.parametrize(
-    ("magic", "words"), [(b"MSET", "big-endian"), (b"TEST", "tile cache"), (b"glTF", "GLB")]
-)
+@pytest.mark.parametrize(("magic", "words"), [(b"MSET", "big-endian"), (b"TEST", "tile cache")])
 def test_kindred_files_are_named(magic: bytes, words: str) -> None:
     with pytest.raises(Unreadable, match=words):
         detour_mesh(magic + bytes(200))
@@ -439,8 +439,8 @@ def highest(mesh: Mesh) -> Any:
 
 
 def read(path: Path, **keys: Any) -> Mesh:
-    spec = MeshSpec.model_validate({"mesh": path.name, **keys})
-    return read_mesh(spec, path.parent, FrameSpec.model_validate({}), NAVMESH_READERS, "level.yaml: navmesh")
+    spec = NavMeshSpec.model_validate({"mesh": path.name, **keys})
+    return read_navmesh(spec, path.parent, FrameSpec.model_validate({}), "level.yaml: navmesh").mesh
 
 
 # --- damaged files --------------------------------------------------------------------------------
@@ -456,7 +456,7 @@ def whole_or_refused(data: bytes) -> bool:
     """Whether the file is read; anything but a mesh that holds together or Unreadable is a failure."""
     problem, pieces = "", []
     try:
-        pieces = read_detour(data, Path("nav.bin"))
+        pieces = read_detour(data, Path("nav.bin")).pieces
     except Unreadable as error:
         problem = error.found
     if problem:

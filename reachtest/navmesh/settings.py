@@ -1,0 +1,59 @@
+"""For whom a nav-mesh is built, and how finely."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.navmesh.walkable import VoxelAgent
+from reachtest.records import Character
+
+CELLS_PER_RADIUS = 2  # Recast's rule of thumb outdoors; indoors it is 3
+ISLAND_CELLS = 64  # the Recast demo's minimum region size is 8 x 8 cells
+WHOLE = 1e-6  # [cells] a measure of 6.0000001 cells is 6: rounding of decimal fractions
+
+
+@dataclass(frozen=True)
+class BuildSettings:
+    """For whom to build, and how finely."""
+
+    cell_m: float
+    cell_height_m: float
+    radius_m: float
+    height_m: float
+    climb_m: float
+    slope_deg: float
+    min_island_m2: float  # smaller islands are left out
+    both_sides: bool = False  # floors may face down, too: for levels with faces turned inside out
+
+    @property
+    def agent(self) -> VoxelAgent:
+        """The same in cells, rounded as rcConfig asks: height and radius up, climb down."""
+        return VoxelAgent(
+            height=int(np.ceil(self.height_m / self.cell_height_m - WHOLE)),
+            climb=int(np.floor(self.climb_m / self.cell_height_m + WHOLE)),
+            radius=int(np.ceil(self.radius_m / self.cell_m - WHOLE)),
+        )
+
+
+def settings_for(character: Character, *, both_sides: bool = False, **given: float | None) -> BuildSettings:
+    """Settings with the character's own numbers where `given` has none.
+
+    Cells are half a radius wide and half as high as wide, or a little less, so that the climb is whole cells:
+    a step just as high as the climb is then climbed.
+    """
+    known = {name: value for name, value in given.items() if value is not None}
+    radius, climb = known.get("radius_m", character.radius_m), known.get("climb_m", character.step_height_m)
+    cell = known.get("cell_m", (radius or character.radius_m) / CELLS_PER_RADIUS)
+    cell_height = climb / np.ceil(climb / (cell / 2)) if climb > 0 else cell / 2
+    default = {
+        "cell_m": cell,
+        "cell_height_m": float(cell_height),
+        "radius_m": radius,
+        "height_m": character.height_m,
+        "climb_m": climb,
+        "slope_deg": character.slope_limit_deg,
+        "min_island_m2": ISLAND_CELLS * cell**2,
+    }
+    return BuildSettings(**{**default, **known}, both_sides=both_sides)

@@ -1,0 +1,181 @@
+"""Which spans the character can stand on: Recast's filters, and erosion by the radius.
+
+Shape legend: N spans, M walkable places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.navmesh.voxels import TOP_BITS, Spans
+from reachtest.records import Bools, Ints
+
+OPEN = 1 << (TOP_BITS - 1)  # [cell heights] where nothing is above
+DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # Recast's order; direction d and d + 2 are opposite
+STRAIGHT, DIAGONAL = 2, 3  # lengths of a chamfer distance, in half cells: rcErodeWalkableArea
+
+
+@dataclass(frozen=True)
+class VoxelAgent:
+    """The character in cells, as rcConfig has it: walkableHeight, walkableClimb, walkableRadius."""
+
+    height: int
+    climb: int
+    radius: int
+
+
+@dataclass(frozen=True)
+class Places:
+    """Walkable places, in order of column and height, with their neighbours (rcCompactHeightfield)."""
+
+    span: Ints  # [M] which span
+    column: Ints  # [M]
+    bottom: Ints  # [M] where the free space begins: the span's top
+    top: Ints  # [M] where it ends
+    neighbour: Ints  # [4, M] the place one step away in each of DIRECTIONS; -1 where there is none
+
+
+def walkable_places(spans: Spans, shape: tuple[int, int], agent: VoxelAgent) -> Places:
+    """Where the agent can stand without its body touching a wall or hanging over an edge.
+
+    The outermost columns of the grid count as edges.
+    """
+    above = ceiling(spans)
+    walkable = low_obstacles(spans, agent)
+    walkable &= ~ledges(spans, above, walkable, shape, agent)
+    walkable &= above - spans.top >= agent.height  # rcFilterWalkableLowHeightSpans
+    return _eroded(_connected(spans, above, walkable, shape, agent), agent.radius)
+
+
+def ceiling(spans: Spans) -> Ints:
+    """Bottom of the next span in the column [N]; OPEN where there is none."""
+    above = np.full(len(spans), OPEN, dtype=np.int64)
+    same = spans.column[1:] == spans.column[:-1]
+    above[:-1][same] = spans.bottom[1:][same]
+    return above
+
+
+def low_obstacles(spans: Spans, agent: VoxelAgent) -> Bools:
+    """Walkable, with what is low enough to step on from the walkable span below it
+    (rcFilterLowHangingWalkableObstacles): kerbs and the sides of stairs [N]."""
+    walkable = spans.walkable.copy()
+    over = spans.walkable[:-1] & (spans.column[1:] == spans.column[:-1])
+    walkable[1:] |= over & (spans.top[1:] - spans.top[:-1] <= agent.climb)
+    return walkable
+
+
+def ledges(spans: Spans, above: Ints, walkable: Bools, shape: tuple[int, int], agent: VoxelAgent) -> Bools:
+    """Spans [N] beside a drop of more than the climb, or on ground that is steeper than it looks: the floors
+    around, as far as they can be stepped on, differ by more than the climb (rcFilterLedgeSpans)."""
+    here = np.flatnonzero(walkable)
+    columns = _Columns(spans.column, spans.top, shape)
+    bottom = np.append(spans.bottom, OPEN)
+    floor, head = spans.top[here], above[here]
+    ledge = np.zeros(len(here), dtype=np.bool_)
+    lowest, highest = floor.copy(), floor.copy()
+    for direction in DIRECTIONS:
+        place, stop, inside = columns.beside(spans.column[here], floor - agent.climb, direction)
+        # Below the first span that is not too low lies a drop; does the agent fit through above it?
+        gap = np.where(place < stop, bottom[place], OPEN)
+        ledge |= ~inside | (np.minimum(head, gap) - floor >= agent.height)
+        for who, at in columns.up_to(place, stop, floor + agent.climb):
+            there = spans.top[at]
+            fits = np.minimum(head[who], above[at]) - np.maximum(floor[who], there) >= agent.height
+            who, there = who[fits], there[fits]
+            lowest[who] = np.minimum(lowest[who], there)
+            highest[who] = np.maximum(highest[who], there)
+    result = np.zeros(len(spans), dtype=np.bool_)
+    result[here] = ledge | (highest - lowest > agent.climb)
+    return result
+
+
+class _Columns:
+    """Finds the spans of a column by height: `column` and, within a column, `top` [N] are in order."""
+
+    def __init__(self, column: Ints, top: Ints, shape: tuple[int, int]) -> None:
+        self._shape = shape
+        self._top = np.append(top, OPEN)
+        self._start = np.append(0, np.cumsum(np.bincount(column, minlength=shape[0] * shape[1])))
+
+    def beside(self, column: Ints, least: Ints, direction: tuple[int, int]) -> tuple[Ints, Ints, Bools]:
+        """In the column one step away in `direction`: the first span whose top is `least` or higher, the end of
+        the column, both [n]; and whether the grid has such a column."""
+        i, j = np.divmod(column, self._shape[1])
+        if direction[0]:
+            inside = (i > 0) if direction[0] < 0 else (i < self._shape[0] - 1)
+        else:
+            inside = (j > 0) if direction[1] < 0 else (j < self._shape[1] - 1)
+        there = np.where(inside, column + direction[0] * self._shape[1] + direction[1], 0)
+        place = self._start[there]
+        stop = np.where(inside, self._start[there + 1], place)
+        low = np.flatnonzero((place < stop) & (self._top[place] < least))
+        while len(low):
+            place[low] += 1
+            low = low[(place[low] < stop[low]) & (self._top[place[low]] < least[low])]
+        return place, stop, inside
+
+    def up_to(self, place: Ints, stop: Ints, most: Ints) -> Iterator[tuple[Ints, Ints]]:
+        """From `place` [n] on, lowest first, each span whose top is `most` or lower: of whom, and which."""
+        step = 0
+        who = np.flatnonzero((place < stop) & (self._top[place] <= most))
+        while len(who):
+            yield who, place[who] + step
+            step += 1
+            at = place[who] + step
+            who = who[(at < stop[who]) & (self._top[np.minimum(at, len(self._top) - 1)] <= most[who])]
+
+
+def _connected(
+    spans: Spans, above: Ints, walkable: Bools, shape: tuple[int, int], agent: VoxelAgent
+) -> Places:
+    """The walkable spans and who can be stepped to from where (rcBuildCompactHeightfield)."""
+    span = np.flatnonzero(walkable)
+    column, floor, head = spans.column[span], spans.top[span], above[span]
+    columns = _Columns(column, floor, shape)
+    neighbour = np.full((4, len(span)), -1, dtype=np.int64)
+    for direction, offset in enumerate(DIRECTIONS):
+        place, stop, _ = columns.beside(column, floor - agent.climb, offset)
+        for who, at in columns.up_to(place, stop, floor + agent.climb):
+            free = np.minimum(head[who], head[at]) - np.maximum(floor[who], floor[at]) >= agent.height
+            free &= neighbour[direction, who] < 0  # the lowest, where there are two
+            neighbour[direction, who[free]] = at[free]
+    for direction in range(2):  # both see each other, or neither
+        back = _mutual(neighbour, direction)
+        neighbour[direction + 2] = _mutual(neighbour, direction + 2)
+        neighbour[direction] = back
+    return Places(span, column, floor, head, neighbour)
+
+
+def _mutual(neighbour: Ints, direction: int) -> Ints:
+    """Neighbours in `direction` [M] that have this place as theirs the other way; -1 for others."""
+    there = neighbour[direction]
+    returned = neighbour[(direction + 2) % 4][there]
+    return np.where((there >= 0) & (returned == np.arange(len(there))), there, -1)
+
+
+def _eroded(places: Places, radius: int) -> Places:
+    """Without the places nearer than `radius` to one that lacks a neighbour (rcErodeWalkableArea)."""
+    limit = STRAIGHT * radius
+    distance = np.where((places.neighbour < 0).any(axis=0), 0, limit)
+    for _ in range(radius):  # each pass carries the distance at least one cell farther
+        for direction in range(4):
+            step = places.neighbour[direction]
+            corner = np.where(step >= 0, places.neighbour[(direction + 3) % 4][step], -1)
+            for place, length in ((step, STRAIGHT), (corner, DIAGONAL)):
+                distance = np.minimum(distance, np.where(place >= 0, distance[place] + length, limit))
+    return chosen(places, distance >= limit)
+
+
+def chosen(places: Places, keep: Bools) -> Places:
+    """Only the places to keep [M], with the neighbours among them."""
+    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)  # the last is for "none"
+    return Places(
+        places.span[keep],
+        places.column[keep],
+        places.bottom[keep],
+        places.top[keep],
+        number[places.neighbour[:, keep]],
+    )

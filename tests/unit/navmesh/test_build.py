@@ -1,0 +1,201 @@
+"""A built nav-mesh against what the geometry says: slopes, steps, head room, a radius off walls, islands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from reachtest.geometry import SurfaceIndex, triangle_normals
+from reachtest.levels import PRESETS
+from reachtest.navmesh import build as build_module
+from reachtest.navmesh.build import build_navmesh, turned_over
+from reachtest.navmesh.islands import islands
+from reachtest.navmesh.settings import settings_for
+from reachtest.records import Floats, NavMesh
+from tests.levels import box, slope
+
+WHO = PRESETS["unreal"]  # radius 0.34 m, height 1.76 m, step 0.45 m, slope 44.765 degrees
+CELL = WHO.radius_m / 2
+GROUND = box([-6, -6, -1], [6, 6, 0])
+
+
+def built(*pieces: Floats, **options: Any) -> NavMesh:
+    return build_navmesh(np.concatenate(pieces), settings_for(WHO, **options))
+
+
+def area(navmesh: NavMesh) -> float:
+    return float(triangle_normals(navmesh.triangles)[1].sum())
+
+
+def covers(navmesh: NavMesh, *points: list[float], within_m: float = 0.1) -> bool:
+    """Whether every point has the surface near."""
+    return bool((SurfaceIndex(navmesh.triangles, 1.0).distance(np.array(points, float)) <= within_m).all())
+
+
+def misses(navmesh: NavMesh, point: list[float], by_m: float) -> bool:
+    return bool(SurfaceIndex(navmesh.triangles, by_m).distance(np.array([point], float))[0] >= by_m)
+
+
+def test_a_floor_is_covered_to_a_radius_off_its_edge() -> None:
+    navmesh = built(GROUND)
+    assert np.allclose(navmesh.vertices[:, 2], 0, atol=1e-5)
+    reach = np.abs(navmesh.vertices[:, :2]).max()
+    assert 6 - WHO.radius_m - 2 * CELL <= reach <= 6 - WHO.radius_m
+    assert area(navmesh) == pytest.approx((2 * reach) ** 2, rel=0.05)
+    assert len(navmesh.faces) <= 8, "a flat square needs few triangles"
+    assert (triangle_normals(navmesh.triangles)[0][:, 2] > 0.99).all()
+    assert (navmesh.format, navmesh.agent.radius_m, navmesh.agent.climb_m) == ("built", 0.34, 0.45)
+
+
+@pytest.mark.parametrize("degrees", [10, 30, 43])
+def test_a_slope_is_followed(degrees: float) -> None:
+    navmesh = built(slope(degrees))
+    x, z = navmesh.vertices[:, 0], navmesh.vertices[:, 2]
+    assert np.abs(z - x * np.tan(np.radians(degrees))).max() < 0.075, "within a cell height"
+    assert len(navmesh.faces) <= 40
+    assert covers(navmesh, [5 * np.cos(np.radians(degrees)), 0, 5 * np.sin(np.radians(degrees))])
+
+
+@pytest.mark.parametrize(("degrees", "walkable"), [(44.7, True), (44.8, False), (60, False)])
+def test_the_slope_limit_is_the_characters(degrees: float, walkable: bool) -> None:
+    assert (area(built(slope(degrees))) > 0) == walkable
+
+
+@pytest.mark.parametrize(("height", "joined"), [(0.2, True), (0.45, True), (0.53, False), (1.0, False)])
+def test_a_step_joins_what_the_climb_allows(height: float, joined: bool) -> None:
+    navmesh = built(GROUND, box([0, -6, -1], [6, 6, height]))
+    assert covers(navmesh, [-3, 0, 0], [3, 0, height])
+    assert (islands(navmesh).max() == 0) == joined
+    assert misses(navmesh, [0, 0, 0], WHO.radius_m) != joined, "a radius off the wall, and right up to a step"
+
+
+@pytest.mark.parametrize(("room", "walkable"), [(1.7, False), (1.9, True)])
+def test_head_room(room: float, walkable: bool) -> None:
+    navmesh = built(GROUND, box([-4, -4, room], [4, 4, room + 0.5]))
+    assert covers(navmesh, [0, 0, 0]) == walkable
+    assert covers(navmesh, [0, 0, room + 0.5]), "the top of the roof is a floor of its own"
+    assert covers(navmesh, [5, 0, 0])
+
+
+def test_erosion_by_the_radius_off_walls() -> None:
+    navmesh = built(GROUND, box([-0.2, -6, 0], [0.2, 3, 3]))
+    lowest = navmesh.vertices[navmesh.vertices[:, 2] < 1]
+    beside = lowest[lowest[:, 1] < 2.5]
+    off = np.abs(beside[:, 0]).min() - 0.2
+    assert WHO.radius_m <= off + 1e-6
+    assert off <= WHO.radius_m + 2 * CELL
+    assert islands(navmesh).max() == 0, "one walks around the end of the wall"
+
+
+@pytest.mark.parametrize(("gap", "passes"), [(0.6, False), (1.2, True)])
+def test_a_door_is_as_wide_as_the_character(gap: float, passes: bool) -> None:
+    walls = box([-0.2, -6, 0], [0.2, -gap / 2, 5]), box([-0.2, gap / 2, 0], [0.2, 6, 5])
+    ground = built(GROUND, *walls, box([-6, -6, 4], [6, 6, 5]))  # under a roof, so that no wall's top counts
+    assert covers(ground, [0, 0, 0]) == passes
+    floors = ground.triangles[:, :, 2].max(axis=1) < 1
+    labels = islands(NavMesh("", ground.vertices, ground.faces[floors]))
+    assert (labels.max() == 0) == passes
+
+
+def test_tiny_islands_are_left_out() -> None:
+    pedestal = box([-0.8, -0.8, 0], [0.8, 0.8, 3])
+    assert misses(built(GROUND, pedestal), [0, 0, 3], 1.0)
+    assert covers(built(GROUND, pedestal, min_island_m2=0), [0, 0, 3])
+    assert covers(built(GROUND, box([-3, -3, 0], [3, 3, 3])), [0, 0, 3])
+
+
+def test_stairs_lead_up() -> None:
+    steps = [box([0.3 * k, -2, 0], [0.3 * (k + 1), 2, 0.2 * (k + 1)]) for k in range(12)]
+    navmesh = built(GROUND, *steps, box([3.6, -2, 1.5], [6, 2, 2.4]))
+    assert covers(navmesh, [-3, 0, 0], [5, 0, 2.4])
+    assert islands(navmesh).max() == 0
+    assert covers(navmesh, *([0.3 * k + 0.15, 0, 0.2 * (k + 1)] for k in range(12)))
+
+
+def test_floors_over_each_other_are_told_apart() -> None:
+    navmesh = built(GROUND, box([-6, -2, 3], [6, 2, 3.2]))
+    assert covers(navmesh, [0, 0, 0], [0, 0, 3.2])
+    assert misses(navmesh, [0, 0, 1.6], 1.0)
+    assert islands(navmesh).max() == 1
+
+
+def test_the_walls_of_a_thin_triangle_soup_leave_no_hole_far_away() -> None:
+    """A wall that lies in a border of cells belongs to the columns on both sides, and to no other."""
+    walls = [[[k * CELL, 0, 0], [k * CELL, 0.3, 0], [k * CELL, 0.3, 2]] for k in range(-20, 21, 4)]
+    navmesh = built(GROUND, np.array(walls, dtype=float))
+    assert covers(navmesh, *([x, y, 0] for x in (-5, 0, 5) for y in (-4, -1, 2, 5)))
+
+
+@pytest.mark.parametrize("offset", [(5000, -3000, 200), (0.03, 0.07, 0.01)])
+def test_where_the_level_lies_does_not_matter(offset: tuple[float, float, float]) -> None:
+    pieces = np.concatenate([GROUND, box([0, -6, -1], [6, 6, 0.3])])
+    here, there = built(pieces), built(pieces + np.array(offset))
+    assert area(there) == pytest.approx(area(here), rel=0.03)
+    assert covers(there, *(np.array([[-3, 0, 0], [3, 0, 0.3]]) + offset))
+
+
+def test_blocks_fit_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    pieces = [GROUND, box([-0.2, -6, 0], [0.2, 3, 3]), slope(20, 5, 3, 1), box([-5, -5, 0], [-3.4, -3.4, 2])]
+    whole = built(*pieces, cell_m=0.1)
+    monkeypatch.setattr(build_module, "BLOCK", 32)
+    parts = built(*pieces, cell_m=0.1)
+    assert area(parts) == pytest.approx(area(whole), rel=0.01)
+    assert islands(parts).max() == islands(whole).max()
+    middle = parts.triangles.mean(axis=1)
+    assert covers(whole, *middle.tolist(), within_m=0.15)
+
+
+def test_faces_turned_inside_out() -> None:
+    sheet = np.array([[[-5, -5, 0], [5, 5, 0], [5, -5, 0]], [[-5, -5, 0], [-5, 5, 0], [5, 5, 0]]], float)
+    assert turned_over(sheet, 45)
+    assert not turned_over(GROUND, 45)
+    assert len(built(sheet).faces) == 0
+    assert area(built(sheet, both_sides=True)) > 70
+
+
+def test_nothing_to_walk_on() -> None:
+    assert len(build_navmesh(np.zeros((0, 3, 3)), settings_for(WHO)).faces) == 0
+    assert len(built(box([0, 0, 0], [0.3, 0.3, 5])).faces) == 0
+
+
+def test_cells_too_small_for_the_level() -> None:
+    with pytest.raises(ValueError, match="too many"):
+        built(box([0, 0, 0], [100_000, 100_000, 1]), cell_m=0.01)
+
+
+def test_defaults_follow_the_character() -> None:
+    numbers = settings_for(WHO)
+    assert (numbers.cell_m, numbers.radius_m, numbers.height_m) == (0.17, 0.34, 1.76)
+    assert (numbers.agent.radius, numbers.agent.climb) == (2, 6)
+    assert numbers.agent.climb * numbers.cell_height_m == pytest.approx(WHO.step_height_m)
+    assert settings_for(WHO, radius_m=0.5).cell_m == 0.25
+    assert settings_for(WHO, climb_m=0).agent.climb == 0
+
+
+LENGTHS = st.floats(0.2, 3)
+BOXES = st.lists(
+    st.tuples(st.floats(-5, 5), st.floats(-5, 5), LENGTHS, LENGTHS, LENGTHS, st.floats(0, 40)), max_size=6
+)
+
+
+@settings(max_examples=25, deadline=None)
+@given(BOXES)
+def test_every_vertex_lies_near_a_floor_the_same_every_time(boxes: list[tuple[float, ...]]) -> None:
+    pieces = [GROUND]
+    for x, y, width, depth, height, degrees in boxes:
+        turn = np.radians(degrees)
+        matrix = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+        pieces.append(box([-width, -depth, 0], [width, depth, height]) @ matrix + [x, y, 0])
+    navmesh = built(*pieces)
+    everything = np.concatenate(pieces)
+    floors = everything[triangle_normals(everything)[0][:, 2] > 0.9]
+    if len(navmesh.faces):
+        near = SurfaceIndex(floors, 2.0).distance(navmesh.vertices)
+        assert near.max() <= CELL + 0.075
+    again = built(*pieces)
+    assert np.array_equal(again.vertices, navmesh.vertices)
+    assert np.array_equal(again.faces, navmesh.faces)
