@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reachtest.findings.cluster import thin_out
 from reachtest.findings.evidence import Evidence
+from reachtest.findings.gate import gates
 from reachtest.records import Fall, Finding, Floats, Ints, ReplayPath
 
 ERRORS = frozenset(
@@ -27,6 +29,12 @@ class Cluster:
     points: Ints  # [n] indices of cached points
     falls: tuple[Fall, ...]
     places: Floats  # [m, 3] what the bounds enclose
+    exits: Floats | None = None  # [k, 3] where the paths left the nav-mesh
+    details: tuple[str, ...] = ()  # lines for people
+    title: str = ""  # where the kind's own title does not say it
+    count: int | None = None  # of whatever was found, where it is not the points or places
+    never_gates: bool = False  # for information, whatever `fail_on` says
+    position: Floats | None = None  # [3] what to look at, where no evidence says it better
 
 
 @dataclass(frozen=True)
@@ -45,21 +53,24 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
     # What has a name of its own is known by it; other places by the part they are at and a coarse grid.
     where = cluster.label or f"{named} {np.floor(anchor / _ID_GRID_M).astype(int).tolist()}"
     digest = hashlib.sha256(f"{cluster.kind} {where}".encode()).hexdigest()
+    severity = "error" if cluster.kind in ERRORS else "warning"
     return Finding(
         id=f"{cluster.kind}-{digest[:8]}",
         kind=cluster.kind,
-        severity="error" if cluster.kind in ERRORS else "warning",
-        gating=cluster.kind in evidence.level.gate.fail_on,
-        title=_title(cluster, named),
+        severity=severity,
+        gating=not cluster.never_gates and gates(cluster.kind, severity, evidence.level.gate.fail_on),
+        title=cluster.title or _title(cluster, named),
         position=sight.position,
         low=cluster.places.min(axis=0),
         high=cluster.places.max(axis=0),
-        points=len(cluster.points) or len(cluster.places),
+        points=cluster.count or len(cluster.points) or len(cluster.places),
         exit_point=sight.exit_point,
         nearest_named=named,
         first_seen_step=sight.first_seen_step,
         path=sight.path,
         suppressed_by=None,
+        exits=None if cluster.exits is None else thin_out(cluster.exits),
+        details=cluster.details,
     )
 
 
@@ -80,6 +91,8 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
         path = evidence.replayer.path_to_point(index)
         exit_point = None if points.expected[index] else _known(points.exit_point[index])
         return _Sight(points.positions[index], exit_point, first, path)
+    if cluster.position is not None:
+        return _Sight(cluster.position, None, None, None)
     middle = cluster.places.mean(axis=0)
     nearest = np.linalg.norm(cluster.places - middle, axis=1).argmin()
     return _Sight(cluster.places[nearest], None, None, None)
@@ -102,6 +115,8 @@ def _title(cluster: Cluster, named: str | None) -> str:
         "unexpected_area": f"The player gets to where the nav-mesh does not go{near}",
         "inside_solid": f"The player gets into solid '{cluster.label}'",
         "forbidden_zone": f"The player gets into forbidden zone '{cluster.label}'",
+        "stuck": f"The player gets stuck{near}",
+        "no_return": f"No way back was found from where the player gets to{near}",
         "unreached_area": f"Part of the nav-mesh was not reached{near}",
         "required_unreached": f"Required point '{cluster.label}' was not reached",
     }[cluster.kind]

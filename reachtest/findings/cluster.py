@@ -9,6 +9,8 @@ from scipy.spatial import cKDTree
 
 from reachtest.records import Floats, Ints
 
+_MOST_SHOWN = 64  # of the exits of one finding, in reports and baselines
+
 
 def single_linkage(points: Floats, link_m: float) -> list[Ints]:
     """Groups of `points` [n, 3] connected by gaps of at most `link_m`, each as ascending indices.
@@ -23,3 +25,16 @@ def single_linkage(points: Floats, link_m: float) -> list[Ints]:
     _, label = connected_components(graph, directed=False)
     _, first = np.unique(label, return_index=True)
     return [np.flatnonzero(label == label[i]) for i in np.sort(first)]
+
+
+def thin_out(points: Floats) -> Floats:
+    """A few of `points` [n, 3] that show where all of them are: the first in each cell of a grid, at most 64.
+
+    The grid has 2 m, or is as much coarser as it takes.
+    """
+    cell_m = 2.0
+    while True:
+        _, first = np.unique(np.floor(points / cell_m), axis=0, return_index=True)
+        if len(first) <= _MOST_SHOWN:
+            return points[np.sort(first)]
+        cell_m *= 2

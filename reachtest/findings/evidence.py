@@ -13,6 +13,7 @@ import rtree
 
 from reachtest.geometry import inside_closed_surface
 from reachtest.interfaces import Replayer
+from reachtest.navmesh.survey import Survey
 from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin, Zone
 
 _SAME_M = 1e-3  # parts as near as this are equally near
@@ -25,6 +26,12 @@ class Evidence:
     level: Level
     exploration: Exploration
     replayer: Replayer
+    known_survey: Survey | None = None  # where it has been worked out already
+
+    @cached_property
+    def survey(self) -> Survey:
+        """The nav-mesh's islands, and what it promises in vain."""
+        return self.known_survey or Survey(self.level, self.exploration)
 
     @cached_property
     def steps_from_spawn(self) -> Ints:

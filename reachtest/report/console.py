@@ -29,7 +29,9 @@ def console_summary(report: Report, width: int) -> Text:
 
 def _lines(report: Report, width: int) -> list[tuple[str, str]]:
     verdict, gating = report.verdict, wording.gating(report.findings)
-    others = [finding for finding in report.findings if not finding.gating]
+    known = wording.known(report.findings)
+    fragile = wording.fragile(report.findings)
+    others = [f for f in report.findings if not (f.gating or f.fragile) and f.suppressed_by is None]
     head = (
         f"{verdict.name.upper()}  {wording.one_line(report.level.name)}: {wording.one_line(verdict.reason)}"
     )
@@ -44,12 +46,36 @@ def _lines(report: Report, width: int) -> list[tuple[str, str]]:
     if others:
         lines += [("", ""), (f"Does not fail the build ({len(others)})", "bold")]
         for finding in others[:MAX_OTHERS]:
-            lines += [(line, "") for line in _other(finding, report.level, width)]
+            why = wording.why_not_gating(finding, report.level)
+            lines += [(line, "") for line in _other(finding, report.level, width, why)]
         lines += _more(len(others) - MAX_OTHERS)
+    if fragile:
+        lines += [("", ""), (f"Fragile: not confirmed ({len(fragile)})", "bold")]
+        for finding in fragile[:MAX_OTHERS]:
+            why = wording.why_fragile(finding)
+            lines += [(line, "") for line in _other(finding, report.level, width, why)]
+        lines += _more(len(fragile) - MAX_OTHERS)
+    if known:
+        lines += [("", ""), (f"Known bugs ({len(known)})", "bold")]
+        for finding in known[:MAX_OTHERS]:
+            why = wording.why_known(report, finding)
+            lines += [(line, "") for line in _other(finding, report.level, width, why)]
+        lines += _more(len(known) - MAX_OTHERS)
+    lines += _audit(report, width)
     lines.append(("", ""))
     for label, sentence in [*wording.run_facts(report), ("Next", wording.next_step(report))]:
         lines += [(line, "bold" if label == "Next" else "") for line in _row("", label, sentence, width)]
     return lines
+
+
+def _audit(report: Report, width: int) -> list[tuple[str, str]]:
+    places = wording.missed_ground(report)
+    if places is None:
+        return []
+    lines = [("", ""), (f"Ground that the nav-mesh misses ({len(places)})", "bold")]
+    for place in places[:MAX_OTHERS]:
+        lines += [(line, "") for line in textwrap.wrap(f"- {place}", width, initial_indent=" ")]
+    return lines + _more(len(places) - MAX_OTHERS)
 
 
 def _gating(number: int, finding: Finding, level: Level, width: int) -> list[tuple[str, str]]:
@@ -64,15 +90,22 @@ def _gating(number: int, finding: Finding, level: Level, width: int) -> list[tup
     lines += [(line, "bold") for line in textwrap.wrap(title, width, subsequent_indent="   ")]
     for label, sentence in rows:
         lines += [(line, "") for line in _row("   ", label, sentence, width)]
+    lines += [(line, "") for detail in finding.details for line in _detail(detail, width)]
     kind_and_id = f"{finding.kind}, {wording.one_line(finding.id)}"
     return lines + [(line, "dim") for line in _row("   ", "kind, id", kind_and_id, width)]
 
 
-def _other(finding: Finding, level: Level, width: int) -> list[str]:
+def _other(finding: Finding, level: Level, width: int, why: str) -> list[str]:
     title = f"- {wording.title(finding)}"
-    place = f"{wording.place(level, finding.position)}  ({wording.why_not_gating(finding)})"
-    return textwrap.wrap(title, width, initial_indent=" ", subsequent_indent="   ") + _row(
-        "   ", "where", place, width
+    place = f"{wording.place(level, finding.position)}  ({why})"
+    lines = textwrap.wrap(title, width, initial_indent=" ", subsequent_indent="   ")
+    lines += _row("   ", "where", place, width)
+    return lines + [line for detail in finding.details for line in _detail(detail, width)]
+
+
+def _detail(detail: str, width: int) -> list[str]:
+    return textwrap.wrap(
+        f"- {wording.one_line(detail)}", width, initial_indent="   ", subsequent_indent="     "
     )
 
 

@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from reachtest.navmesh.survey import Survey
 from reachtest.records import Exploration, Finding, Level, ReplayPath, Verdict
+from reachtest.report.risk import risk_section
 
 SCHEMA_VERSION = 1
 POSITION_DIGITS = 3  # 1 mm: finer than any editor's grid, coarse enough to read
@@ -26,6 +28,7 @@ def build_document(
     verdict: Verdict,
     tool_version: str,
     started_at: str,
+    survey: Survey | None = None,
 ) -> dict[str, Any]:
     """The whole of report.json, in plain JSON types, keys in the order of the contract."""
     settings = exploration.settings
@@ -44,10 +47,12 @@ def build_document(
             "episodes": exploration.episodes,
             "agents": settings.agents,
             "diverged_episodes": exploration.diverged_episodes,
+            "probe_episodes": exploration.probe_episodes,
+            "probe_steps": exploration.probe_steps,
         },
-        "coverage": _coverage(exploration),
+        "coverage": _coverage(exploration, survey or Survey(level, exploration)),
         "positions": _positions(exploration),
-        "risk": _risk(exploration),
+        "risk": risk_section(exploration),
         "findings": [_finding(level, finding) for finding in findings],
         "timing": _timing(exploration, started_at),
     }
@@ -99,7 +104,8 @@ def _config(level: Level, exploration: Exploration) -> dict[str, Any]:
     }
 
 
-def _coverage(exploration: Exploration) -> dict[str, Any]:
+def _coverage(exploration: Exploration, survey: Survey) -> dict[str, Any]:
+    islands = survey.islands
     total = len(exploration.goals)
     reached = int((exploration.goal_step >= 0).sum())
     all_reached = total > 0 and reached == total
@@ -111,6 +117,11 @@ def _coverage(exploration: Exploration) -> dict[str, Any]:
         "all_goals_step": int(exploration.goal_step.max()) if all_reached else None,
         "required_total": len(exploration.required_step),
         "required_reached": int((exploration.required_step >= 0).sum()),
+        "goals_connected": int(islands.goals_count.sum()),
+        "goals_connected_reached": int((exploration.goal_step[islands.goals_count] >= 0).sum()),
+        "goals_unreached_by_mismatch": int(survey.explained.sum()),
+        "islands": len(islands.connected),
+        "islands_connected": int(islands.connected.sum()),
     }
 
 
@@ -118,17 +129,6 @@ def _positions(exploration: Exploration) -> dict[str, int]:
     discovered = len(exploration.points)
     expected = int(exploration.points.expected.sum())
     return {"discovered": discovered, "expected": expected, "unexpected": discovered - expected}
-
-
-def _risk(exploration: Exploration) -> dict[str, Any]:
-    """Good-Turing and Chao2 for incidence data; the unit of sampling is one episode."""
-    if exploration.episodes == 0:
-        return {"discovery_probability": None, "estimated_positions_total": None, "unit": "episode"}
-    return {
-        "discovery_probability": plain(exploration.discovery_probability),
-        "estimated_positions_total": round(exploration.estimated_cells_total, 1),
-        "unit": "episode",
-    }
 
 
 def _finding(level: Level, finding: Finding) -> dict[str, Any]:
@@ -150,8 +150,12 @@ def _finding(level: Level, finding: Finding) -> dict[str, Any]:
             "attempts": path.attempts if path else 0,
             "succeeded": path.succeeded if path else 0,
         },
+        "confirmation": _confirmation(finding),
+        "fragile": finding.fragile,
         "path": _path(path) if path else None,
         "suppressed_by": finding.suppressed_by,
+        "exits": None if finding.exits is None else _place(finding.exits),
+        "details": list(finding.details),
     }
 
 
@@ -165,6 +169,17 @@ def _path(path: ReplayPath) -> dict[str, Any]:
         "start": _place(path.start),
         "episodes": [dataclasses.asdict(origin) for origin in path.episodes],
         "duration_s": plain(path.duration_s, 3),
+        "agent_steps": len(path.positions),
+        "found_duration_s": plain(path.duration_s if path.found_s is None else path.found_s, 3),
+    }
+
+
+def _confirmation(finding: Finding) -> dict[str, Any] | None:
+    if finding.confirmation is None:
+        return None
+    return {
+        name: {"attempts": attempts, "succeeded": succeeded}
+        for name, (attempts, succeeded) in vars(finding.confirmation).items()
     }
 
 

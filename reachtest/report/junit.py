@@ -1,7 +1,8 @@
 """junit.xml: the report for GitLab, Jenkins and whatever else draws test results.
 
-One test case a gating kind that found nothing, one failing case a finding (its stable id in the name, so that
-a CI system sees which failures are new), one for the goals and one for whether the run could tell.
+One failing case a finding (its stable id in the name, so that a CI system sees which failures are new), one case
+for each gating kind or severity that found nothing, a skipped one for each known bug and each fragile finding, one for
+the goals and one for whether the run could tell.
 """
 
 from __future__ import annotations
@@ -21,24 +22,30 @@ def render(report: Report) -> str:
     name = f"reachtest.{wording.one_line(report.level.name)}"
     suite = ET.Element("testsuite", name=_legal(name))
     gating = wording.gating(report.findings)
-    for kind in report.level.gate.fail_on:
-        found = [finding for finding in gating if finding.kind == kind]
-        for finding in found:
-            _finding_case(suite, name, finding, report.level)
-        if not found:
-            _case(suite, name, kind)
     for finding in gating:
-        if finding.kind not in report.level.gate.fail_on:
-            _finding_case(suite, name, finding, report.level)
+        _finding_case(suite, name, finding, report.level)
+    for asked in report.level.gate.fail_on:  # kinds and severities
+        if not any(asked in (finding.kind, finding.severity) for finding in gating):
+            _case(suite, name, asked)
+    for finding in wording.known(report.findings):
+        _skipped_case(suite, name, finding, report.level, f"known: {wording.why_known(report, finding)}")
+    for finding in wording.fragile(report.findings):
+        _skipped_case(suite, name, finding, report.level, f"fragile: {wording.why_fragile(finding)}")
     _run_cases(suite, name, report)
-    others = [finding for finding in report.findings if not finding.gating]
+    others = [f for f in report.findings if not (f.gating or f.fragile) and f.suppressed_by is None]
     if others:
-        ET.SubElement(suite, "system-out").text = _legal("\n".join(map(_other_line, others)))
+        lines = [_other_line(finding, report.level) for finding in others]
+        ET.SubElement(suite, "system-out").text = _legal("\n".join(lines))
     return _document(suite, report)
 
 
 def _document(suite: ET.Element, report: Report) -> str:
-    for attribute, elements in (("tests", "testcase"), ("failures", "failure"), ("errors", "error")):
+    for attribute, elements in (
+        ("tests", "testcase"),
+        ("failures", "failure"),
+        ("errors", "error"),
+        ("skipped", "skipped"),
+    ):
         suite.set(attribute, str(len(list(suite.iter(elements)))))
     suite.set("time", f"{report.exploration.timing.get('wall_s', 0.0):.3f}")
     suite.set("timestamp", _legal(report.started_at))
@@ -64,13 +71,20 @@ def _finding_case(suite: ET.Element, suite_name: str, finding: Finding, level: L
     ]
     if left_at := wording.exit_place(level, finding):
         lines.insert(2, f"left the nav-mesh at {left_at}")
+    lines += [f"- {wording.one_line(detail)}" for detail in finding.details]
     _problem(case, "failure", finding.kind, f"{title} at {wording.place(level, finding.position)}", lines)
+
+
+def _skipped_case(suite: ET.Element, suite_name: str, finding: Finding, level: Level, message: str) -> None:
+    case = _case(suite, suite_name, f"{finding.kind} [{wording.one_line(finding.id)}]")
+    where = f"{wording.title(finding)} at {wording.place(level, finding.position)}"
+    ET.SubElement(case, "skipped", message=_legal(message)).text = _legal(where)
 
 
 def _run_cases(suite: ET.Element, suite_name: str, report: Report) -> None:
     """The goals, and whether the run could tell: an inconclusive run is one error, at its cause."""
-    wanted, goal_step = report.level.gate.min_goals_reached, report.exploration.goal_step
-    total, reached = len(goal_step), int((goal_step >= 0).sum())
+    wanted = report.level.gate.min_goals_reached
+    reached, total = wording.goals_that_count(report)
     inconclusive = report.verdict.name == "inconclusive"
     goals_missing = report.verdict.name != "pass" and reached < wanted * total
     facts = [f"{label}: {text}" for label, text in wording.run_facts(report)]
@@ -87,9 +101,9 @@ def _problem(case: ET.Element, tag: str, kind: str, message: str, lines: list[st
     ET.SubElement(case, tag, type=_legal(kind), message=_legal(message)).text = _legal("\n".join(lines))
 
 
-def _other_line(finding: Finding) -> str:
+def _other_line(finding: Finding, level: Level) -> str:
     title = wording.title(finding)
-    return f"{wording.kind_words(finding.kind)}: {title} ({wording.why_not_gating(finding)})"
+    return f"{wording.kind_words(finding.kind)}: {title} ({wording.why_not_gating(finding, level)})"
 
 
 def _legal(text: str) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 from reachtest.records import Finding, Level, Report
 from reachtest.report import wording
+from reachtest.report.risk import sparkline
 
 MAX_FINDINGS = 50  # in a table; GitHub drops a step summary over 1 MiB whole
 BADGES = {"pass": "✅ PASS", "fail": "❌ FAIL", "inconclusive": "⚠️ INCONCLUSIVE"}
@@ -17,7 +18,9 @@ _SPECIAL = re.compile(r"([\\`*_\[\]#|~$])")
 def render(report: Report) -> str:
     """The verdict and why, what to fix and where, what else there is, how the run went, what to do next."""
     gating = wording.gating(report.findings)
-    others = [finding for finding in report.findings if not finding.gating]
+    known = wording.known(report.findings)
+    fragile = wording.fragile(report.findings)
+    others = [f for f in report.findings if not (f.gating or f.fragile) and f.suppressed_by is None]
     blocks = [f"# {BADGES[report.verdict.name]}: {escape(report.verdict.reason)}", _about(report)]
     if gating:
         header = "| # | what | where (x, y, z) | how bad | how to see it |"
@@ -28,7 +31,20 @@ def render(report: Report) -> str:
             f"## Does not fail the build ({len(others)})",
             _table(header, others, report.level, _other_row),
         ]
+    if fragile:
+        header = "| # | what | where (x, y, z) | why it is not called a bug |"
+        blocks += [
+            f"## Fragile: not confirmed ({len(fragile)})",
+            _table(header, fragile, report.level, _other_row),
+        ]
+    if known:
+        blocks += [f"## Known bugs ({len(known)})", _known_table(known, report)]
+    if (missed := wording.missed_ground(report)) is not None:
+        listed = [f"- {escape(place)}" for place in missed[:MAX_FINDINGS]] or ["None."]
+        blocks += [f"## Ground that the nav-mesh misses ({len(missed)})", "\n".join(listed)]
     facts = [f"- **{label}:** {text}" for label, text in wording.run_facts(report)]
+    if drawn := sparkline(report):
+        facts.append(f"- **Share of episodes that found a new place, over the run:** `{drawn}`")
     blocks += ["## The run", "\n".join(facts), f"**Next:** {wording.next_step(report)}."]
     return "\n\n".join(blocks) + "\n"
 
@@ -58,9 +74,23 @@ def _table(
     return "\n".join(lines)
 
 
+def _known_table(known: Sequence[Finding], report: Report) -> str:
+    def row(number: int, finding: Finding, level: Level) -> list[str]:
+        return [
+            str(number),
+            _what(finding),
+            _where(finding, level),
+            escape(wording.why_known(report, finding)),
+        ]
+
+    return _table("| # | what | where (x, y, z) | why it is let be |", known, report.level, row)
+
+
 def _what(finding: Finding) -> str:
     kind = escape(wording.kind_words(finding.kind))
-    return f"**{escape(wording.title(finding))}**<br>{kind}, {escape(finding.severity)}, {escape(finding.id)}"
+    details = "".join(f"<br>- {escape(detail)}" for detail in finding.details)
+    title = escape(wording.title(finding))
+    return f"**{title}**<br>{kind}, {escape(finding.severity)}, {escape(finding.id)}{details}"
 
 
 def _where(finding: Finding, level: Level) -> str:
@@ -80,4 +110,9 @@ def _see(finding: Finding) -> str:
 
 
 def _other_row(number: int, finding: Finding, level: Level) -> list[str]:
-    return [str(number), _what(finding), _where(finding, level), escape(wording.why_not_gating(finding))]
+    return [
+        str(number),
+        _what(finding),
+        _where(finding, level),
+        escape(wording.why_not_gating(finding, level)),
+    ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from reachtest.records import Finding, Level, Report, StopReason
+from reachtest.report.risk import recent_sentence, risk_sentence
 
 MAX_TEXT = 160  # characters of a name or title: a generated name can be longer than the page
 
@@ -57,6 +59,11 @@ def gating(findings: Iterable[Finding]) -> list[Finding]:
     return [finding for finding in findings if finding.gating]
 
 
+def known(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings that the file of known bugs accounts for."""
+    return [finding for finding in findings if finding.suppressed_by is not None]
+
+
 def extent(finding: Finding) -> str:
     """How big it is: number of points and the size of the box around them."""
     if finding.points == 1:
@@ -72,14 +79,82 @@ def evidence(finding: Finding) -> str:
     path = finding.path
     if path is None:
         return "no recorded path"
-    return f"{path.duration_s:.1f} s from the spawn, reproduced {path.succeeded} of {path.attempts}"
+    length = f"{path.duration_s:.1f} s from the spawn"
+    if path.found_s is not None and path.found_s > path.duration_s:
+        length += f" (found in {path.found_s:.1f} s)"
+    if finding.confirmation is None:
+        return f"{length}, reproduced {path.succeeded} of {path.attempts}"
+    exact, half, nearby = (
+        f"{succeeded} of {attempts}" for attempts, succeeded in dataclasses.astuple(finding.confirmation)
+    )
+    return f"{length}, reproduced {exact} exactly, {half} at half the time step, {nearby} with other actions"
 
 
-def why_not_gating(finding: Finding) -> str:
+def fragile(findings: Iterable[Finding]) -> list[Finding]:
+    """The findings that did not come about again as a bug of the level does."""
+    return [finding for finding in findings if finding.fragile and finding.suppressed_by is None]
+
+
+def why_fragile(finding: Finding) -> str:
+    """What is wrong with the evidence."""
+    confirmation = finding.confirmation
+    if confirmation is None or confirmation.exact[0] > confirmation.exact[1]:
+        return "did not come out bit for bit when it was simulated again: please report that"
+    return (
+        f"only at the coarse time step: 0 of {confirmation.half_step[0]} at half of it,"
+        f" {confirmation.nearby[1]} of {confirmation.nearby[0]} with other actions"
+    )
+
+
+def why_not_gating(finding: Finding, level: Level) -> str:
     """Why the build does not fail because of it."""
     if finding.suppressed_by is not None:
         return f"suppressed by {one_line(finding.suppressed_by)}"
+    if finding.fragile:
+        return why_fragile(finding)
+    if {finding.kind, finding.severity, "warning"} & set(level.gate.fail_on):
+        return "no failure by itself"
     return f"{finding.kind} is not in fail_on"
+
+
+def why_known(report: Report, finding: Finding) -> str:
+    """The reason, the author and the expiry of the known bug that a finding is."""
+    section = report.document.get("baseline") or {"known": []}
+    for entry in section["known"]:
+        if entry["finding"] == finding.id:
+            until = f"until {entry['expires']}" if entry["expires"] else "for good"
+            return one_line(f"{entry['reason']} ({entry['author']}, {until})")
+    return why_not_gating(finding, report.level)
+
+
+def known_bugs(report: Report) -> str:
+    """What became of the known bugs, with those named that want a look; empty without a file of them."""
+    section = report.document.get("baseline")
+    if section is None:
+        return ""
+    told = [f"{len(section['known'])} seen"]
+    told += [f"expired {e['expires']}, so it gates again: {e['finding']}" for e in section["expired"]]
+    told += [f"fixed: {e['id']}" for e in section["fixed"]]
+    told += [f"not seen, but the run was too short to call it fixed: {e['id']}" for e in section["not_seen"]]
+    return "; ".join(told)
+
+
+def missed_ground(report: Report) -> list[str] | None:
+    """The places of `--audit`, largest first, a line each; None where nobody asked."""
+    audit = report.document.get("audit")
+    if audit is None:
+        return None
+    return [
+        f"{place(report.level, np.array(entry['position']))}: {_audited(entry)}"
+        + (f", near {one_line(entry['nearest_named'])}" if entry["nearest_named"] else "")
+        for entry in audit
+    ]
+
+
+def _audited(entry: dict[str, Any]) -> str:
+    low, high = (np.array(corner) for corner in entry["bounds"])
+    sides = " x ".join(f"{side:.1f}" for side in (high - low).tolist())
+    return plural(entry["points"], "point") + (f" over {sides} m" if entry["points"] > 1 else "")
 
 
 def plural(count: int, noun: str) -> str:
@@ -94,30 +169,34 @@ def run_facts(report: Report) -> list[tuple[str, str]]:
     percent = math.floor(1000 * reached / total) / 10 if total else 0.0  # 99.97 % is not 100 %
     positions = report.document["positions"]
     facts = [
-        ("Goals", f"{reached:,} of {total:,} reached ({percent:g} %)"),
+        ("Goals", f"{reached:,} of {total:,} reached ({percent:g} %){_goals_that_count(report)}"),
         ("Positions", f"{positions['discovered']:,}, of which {positions['unexpected']:,} off the nav-mesh"),
-        ("Risk", _risk(report)),
+        ("Risk", risk_sentence(report)),
+        ("Discovery", recent_sentence(report)),
         ("Stopped", _stop(report)),
     ]
     if len(exploration.required_step):
         text = f"{(exploration.required_step >= 0).sum():,} of {len(exploration.required_step):,} reached"
         facts.insert(1, ("Required", text))
+    facts.append(("Known bugs", known_bugs(report)))
     if exploration.diverged_episodes:
         text = f"{plural(exploration.diverged_episodes, 'episode')} dropped because the simulation diverged"
         facts.append(("Physics", text))
-    return facts
+    return [(label, sentence) for label, sentence in facts if sentence]
 
 
-def _risk(report: Report) -> str:
-    risk, settings = report.document["risk"], report.exploration.settings
-    if risk["discovery_probability"] is None:
-        return "unknown: no episode was run"
-    episode_s = settings.reset_interval * settings.action_repeat / settings.physics_hz
-    return (
-        f"one more {risk['unit']} ({episode_s:.0f} s of play) finds a new place with at most "
-        f"{100 * risk['discovery_probability']:.3g} % probability; {report.exploration.cells_total:,} of an "
-        f"estimated {risk['estimated_positions_total']:,.0f} places were seen"
-    )
+def goals_that_count(report: Report) -> tuple[int, int]:
+    """Goals reached, and goals there are, of those that a pass needs."""
+    coverage = report.document["coverage"]
+    total = coverage["goals_connected"] - coverage["goals_unreached_by_mismatch"]
+    return coverage["goals_connected_reached"], total
+
+
+def _goals_that_count(report: Report) -> str:
+    reached, total = goals_that_count(report)
+    if total == len(report.exploration.goals):
+        return ""
+    return f"; {reached:,} of the {total:,} that a spawn is connected to and the character can get to"
 
 
 def _stop(report: Report) -> str:

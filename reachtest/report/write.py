@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from reachtest.records import Report
-from reachtest.report import REPORTS
+from reachtest.report import REPORTS, coverage
 
 
 def write_reports(report: Report, folder: Path) -> list[Path]:
@@ -14,6 +14,11 @@ def write_reports(report: Report, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     texts = {name: render(report) for name, render in REPORTS.items()}
     return [_write(folder / name, text) for name, text in texts.items()]
+
+
+def write_coverage(report: Report, folder: Path) -> Path:
+    """Write coverage.json, which no person reads, beside the reports. Raises OSError."""
+    return _write(folder / "coverage.json", coverage.render(report))
 
 
 def _write(path: Path, text: str) -> Path:

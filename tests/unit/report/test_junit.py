@@ -40,6 +40,7 @@ def test_each_gating_finding_is_one_failure_with_its_id() -> None:
     assert outcomes(make_report(make_findings(), FAIL, exploration=all_goals)) == {
         "unexpected_area [area-0c11d4]": "failure",
         "fell_out_of_world [fell-5f2a91]": "failure",
+        "fell_out_of_world [area-99aa01]": "skipped",
         "goals_reached": "passed",
         "explored_enough": "passed",
     }
@@ -64,7 +65,12 @@ def test_an_inconclusive_run_is_one_error() -> None:
 
 def test_the_counts_match_the_cases() -> None:
     suite = ET.fromstring(render(make_report(make_findings(), FAIL)))[0]
-    for attribute, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error")):
+    for attribute, tag in (
+        ("tests", "testcase"),
+        ("failures", "failure"),
+        ("errors", "error"),
+        ("skipped", "skipped"),
+    ):
         assert int(str(suite.get(attribute))) == len(list(suite.iter(tag)))
     assert (suite.get("failures"), suite.get("time")) == ("3", "63.200")
 

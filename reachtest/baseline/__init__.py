@@ -1,0 +1,7 @@
+"""Known bugs: a file of them, and which findings of a run they are."""
+
+from reachtest.baseline.apply import Outcome, apply_baseline
+from reachtest.baseline.document import Baseline, Entry, read_baseline
+from reachtest.baseline.place import Place, match
+
+__all__ = ["Baseline", "Entry", "Outcome", "Place", "apply_baseline", "match", "read_baseline"]

@@ -1,0 +1,90 @@
+"""Effort: a place is called unreached only after directed attempts to get there; before that, nobody can say.
+
+Shape legend: G goals, n goals of one area.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reachtest.findings.cluster import single_linkage
+from reachtest.records import Bools, Exploration, Ints
+
+
+def open_areas(exploration: Exploration, counts: Bools) -> list[Ints]:
+    """The unreached goals among those that count [G], grouped by area: indices [n] for each."""
+    missing = np.flatnonzero((exploration.goal_step < 0) & counts)
+    groups = single_linkage(exploration.goals[missing], 2 * exploration.settings.goal_spacing_m)
+    return [missing[group] for group in groups]
+
+
+def attempts_at(exploration: Exploration, goals: Ints) -> int:
+    """Directed attempts in vain at an area of `goals` [n], from its border as it is now."""
+    known = exploration.goal_attempts
+    return int(known[goals].sum()) if len(known) else 0
+
+
+def attempts_at_required(exploration: Exploration, index: int) -> int:
+    """The same for a required point."""
+    known = exploration.required_attempts
+    return int(known[index]) if len(known) else 0
+
+
+def enough(exploration: Exploration, attempts: int) -> bool:
+    """Whether so many attempts are enough to call a place unreached."""
+    return attempts >= exploration.settings.effort
+
+
+def describe(exploration: Exploration, attempts: int, goals: Ints | None = None) -> tuple[str, ...]:
+    """What was tried to get to a place (an area of `goals` [n], if given), for people."""
+    near = ""
+    if goals is not None and attempts:
+        near = f" from {exploration.goal_border_m[goals].min():.1f} m away"
+    tries = f"{attempts} directed attempt{'s' * (attempts != 1)}{near} did not get there"
+    if enough(exploration, attempts):
+        return (tries,)
+    return (f"{tries}: inconclusive, explore.effort asks for {exploration.settings.effort}",)
+
+
+def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> list[str]:
+    """What is missing before unreached places can be called so, and how many more steps that is likely to take.
+
+    Required points always, and areas of the goals that count [G] if `areas_too`.
+    """
+    areas = open_areas(exploration, counts) if areas_too else []
+    short = sum(not enough(exploration, attempts_at(exploration, area)) for area in areas)
+    untried = [
+        index
+        for index in np.flatnonzero(exploration.required_step < 0).tolist()
+        if not enough(exploration, attempts_at_required(exploration, index))
+    ]
+    effort = f"fewer than {exploration.settings.effort} directed attempts (explore.effort) were made"
+    missing = []
+    if short:
+        missing.append(f"at {short} of {len(areas)} unreached areas {effort}")
+    if untried:
+        missing.append(f"at {len(untried)} required point{'s' * (len(untried) != 1)} {effort}")
+    steps = steps_to_go(exploration, counts) if missing else None
+    if steps:
+        missing.append(f"that is likely to take {steps:,} more steps (an estimate)")
+    return missing
+
+
+def steps_to_go(exploration: Exploration, counts: Bools) -> int | None:
+    """An estimate of how many more agent steps it takes to reach the goals that count [G], or to give up on them.
+
+    As long as goals were reached in the last third of the run, at that rate; and at least what the directed
+    attempts take that are still to be made. None without an idea.
+    """
+    s = exploration.settings
+    times = exploration.goal_step[counts]
+    left, late = int((times < 0).sum()), int((times > exploration.agent_steps * 2 / 3).sum())
+    at_rate = left * exploration.agent_steps / 3 / late if late else 0.0
+    tries = [attempts_at(exploration, area) for area in open_areas(exploration, counts)]
+    tries += [
+        attempts_at_required(exploration, i) for i in np.flatnonzero(exploration.required_step < 0).tolist()
+    ]
+    short = sum(max(0, s.effort - done) for done in tries)
+    attempts = short / s.directed * s.reset_interval if s.directed else 0.0
+    digits = -3 if max(at_rate, attempts) > 10_000 else 0
+    return int(round(max(at_rate, attempts), digits)) or None

@@ -1,0 +1,109 @@
+"""The ways off the nav-mesh: which of what was found beyond it is one bug.
+
+One bug has one exit: evidence is grouped by where its path left the nav-mesh, so that a hole with a whole roofscape
+behind it is one finding, and two holes to one roof are two. Who fell off expected ground left it at the edge, wherever
+the jump began.
+
+Shape legend: n points, m falls.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from reachtest.findings.build import Cluster
+from reachtest.findings.cluster import single_linkage
+from reachtest.findings.evidence import Evidence
+from reachtest.findings.rims import join_rims
+from reachtest.findings.spaces import join_spaces
+from reachtest.findings.void import Void
+from reachtest.records import Bools, Fall, Floats, Ints, Level
+
+LINK_M = 4.0  # exits and areas closer than this are one bug: a little more than "expected" reaches
+_SAME_M = 0.5
+
+
+def escapes(evidence: Evidence) -> list[Cluster]:
+    """Where the character left the nav-mesh: `fell_out_of_world` where it fell, else `unexpected_area`.
+
+    What was only flown through (a jump off a tower onto the nav-mesh again) is no evidence: somebody must have
+    stood or fallen.
+    """
+    points, falls = evidence.exploration.points, evidence.exploration.falls
+    off_mesh = ~points.expected & (evidence.solid_of < 0) & (evidence.in_zones("forbidden") < 0)
+    chosen = np.flatnonzero(off_mesh & (evidence.in_zones("allowed_off_mesh") < 0))
+    exits = _anchors(points.exit_point[chosen], points.positions[chosen])
+    footings = np.array([fall.footing for fall in falls]).reshape(-1, 3)
+    left = _anchors(np.array([fall.exit_point for fall in falls]).reshape(-1, 3), footings)
+    fall_group, edges = _fall_groups(evidence.level, falls, footings, left)
+    group = _point_groups(exits, points.grounded[chosen], left, fall_group)
+    count = int(max(group.max(initial=-1), fall_group.max(initial=-1))) + 1
+    stood = [chosen[(group == number) & points.grounded[chosen]] for number in range(count)]
+    label = np.array([*join_spaces(evidence, stood, LINK_M), -1], dtype=np.int64)  # -1 stays -1
+    group, fall_group = label[group], label[fall_group]
+    clusters = []
+    for number in np.unique(label[:-1]).tolist():
+        some, fell = np.flatnonzero(group == number), np.flatnonzero(fall_group == number)
+        # Bounds of where somebody stood: what is flown through below an edge is not the place to look at.
+        standing = chosen[some][points.grounded[chosen[some]]]
+        places = np.concatenate([points.positions[standing], footings[fell]])
+        kind = "fell_out_of_world" if len(fell) else "unexpected_area"
+        shown = np.concatenate([exits[some] if not len(fell) else exits[:0], edges[fell]])
+        clusters.append(Cluster(kind, "", chosen[some], tuple(falls[i] for i in fell), places, shown))
+    return clusters
+
+
+def _fall_groups(
+    level: Level, falls: tuple[Fall, ...], footings: Floats, left: Floats
+) -> tuple[Ints, Floats]:
+    """A number [m] for each bug that falls show, and where each of them left the nav-mesh [m, 3]."""
+    number = np.full(len(falls), -1, dtype=np.int64)
+    if not falls:
+        return number, left
+    void = Void(level)
+    over = void.entries(footings, np.array([fall.position for fall in falls]))
+    direct = (np.linalg.norm(footings - left, axis=1) < _SAME_M) & ~np.isnan(over[:, 0])
+    edges = np.where(direct[:, None], over, left)
+    groups = single_linkage(edges, LINK_M)
+    label = join_rims(level, void, [edges[group[direct[group]]] for group in groups])
+    for group, same in zip(groups, label, strict=True):
+        number[group] = same
+    return np.unique(number, return_inverse=True)[1], edges
+
+
+def _point_groups(exits: Floats, grounded: Bools, left: Floats, fall_group: Ints) -> Ints:
+    """The number [n] of the bug that each point shows, -1 for none.
+
+    Areas that somebody stood in belong to the falls with the same exit, else they are bugs of their own; what was flown
+    through belongs to the nearest.
+    """
+    number = np.full(len(exits), -1, dtype=np.int64)
+    count = int(fall_group.max(initial=-1)) + 1
+    standing = np.flatnonzero(grounded)
+    for area in single_linkage(exits[standing], LINK_M):
+        members = standing[area]
+        away, which = _nearest(left, exits[members])
+        if away.min() <= LINK_M:
+            number[members] = fall_group[which[away.argmin()]]
+        else:
+            number[members] = count
+            count += 1
+    flying = np.flatnonzero(number < 0)
+    away, which = _nearest(np.concatenate([exits[standing], left]), exits[flying])
+    near = away <= LINK_M
+    number[flying[near]] = np.concatenate([number[standing], fall_group])[which[near]]
+    return number
+
+
+def _nearest(places: Floats, points: Floats) -> tuple[Floats, Ints]:
+    """Distance [n] of each of points [n, 3] to the nearest of `places` [m, 3], and which it is; infinite for none."""
+    if not len(places):
+        return np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int64)
+    away, which = cKDTree(places).query(points)
+    return np.asarray(away), np.asarray(which, dtype=np.int64)
+
+
+def _anchors(exits: Floats, positions: Floats) -> Floats:
+    """Exit points, or the positions themselves where the path never was on the nav-mesh."""
+    return np.where(np.isnan(exits), positions, exits)

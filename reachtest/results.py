@@ -1,0 +1,152 @@
+"""What an earlier run left in its output folder, read back and checked: only what later commands ask for."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from reachtest.baseline.place import Place
+from reachtest.errors import BadInput, Problem
+
+Point = tuple[float, float, float]
+_REMEDY = "give the output folder of a finished 'reachtest run', or its report.json"
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="ignore", frozen=True)  # later versions may add keys
+
+
+class FoundBefore(_Part):
+    """A finding of report.json."""
+
+    id: str
+    kind: str
+    severity: str
+    gating: bool
+    title: str
+    position: Point
+    source_position: Point
+    bounds: tuple[Point, Point]
+    exit_point: Point | None
+    exits: tuple[Point, ...] | None = None
+    nearest_named: str | None
+    suppressed_by: str | None
+
+    @property
+    def known_exits(self) -> tuple[Point, ...]:
+        """Where paths left the nav-mesh on the way to it."""
+        return self.exits or (() if self.exit_point is None else (self.exit_point,))
+
+    @property
+    def place(self) -> Place:
+        """Where it is."""
+        low, high = np.array(self.bounds, dtype=np.float64)
+        exits = np.array(self.known_exits, dtype=np.float64).reshape(-1, 3)
+        return Place(self.id, self.kind, low, high, exits)
+
+
+class _Level(_Part):
+    name: str
+    sha256: str
+
+
+class _Goals(_Part):
+    goals_total: int
+    goals_reached: int
+    sufficient: bool | None = None
+
+
+class _Explore(_Part):
+    goal_spacing_m: float
+
+
+class _Frame(_Part):
+    matrix: tuple[Point, Point, Point]
+
+
+class _Config(_Part):
+    explore: _Explore
+    frame: _Frame
+
+
+class _Run(_Part):
+    agent_steps: int
+
+
+class _Risk(_Part):
+    discovery_probability: float | None
+
+
+class ReportBefore(_Part):
+    """report.json."""
+
+    verdict: str
+    verdict_reason: str = ""
+    level: _Level
+    config: _Config
+    seed: int
+    run: _Run
+    coverage: _Goals
+    risk: _Risk
+    findings: tuple[FoundBefore, ...]
+
+    @property
+    def explored_enough(self) -> bool:
+        """Whether the run could have passed but for its findings."""
+        return self.verdict == "pass" if self.coverage.sufficient is None else self.coverage.sufficient
+
+
+class CoverageBefore(_Part):
+    """coverage.json: goals (x, y, z, agent step at which it was reached or -1), and one standing place a cell
+    (x, y, z, 1 if expected)."""
+
+    cell_m: float
+    goals: tuple[tuple[float, float, float, int], ...]
+    stood: tuple[tuple[float, float, float, int], ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """An output folder."""
+
+    name: str  # as it was given
+    report: ReportBefore
+    coverage: CoverageBefore | None  # None: the folder has none, or a report.json alone was given
+
+
+Model = TypeVar("Model", bound=_Part)
+
+
+def read_result(path: Path) -> Result:
+    """The run in an output folder or report.json. Raises BadInput: absent, corrupt or of another version."""
+    file = path / "report.json" if path.is_dir() else path
+    beside = file.with_name("coverage.json")
+    report = _read(file, ReportBefore)
+    return Result(str(path), report, _read(beside, CoverageBefore) if beside.is_file() else None)
+
+
+def _read(file: Path, model: type[Model]) -> Model:
+    try:
+        content: Any = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadInput([Problem(str(file), error.strerror or str(error), _REMEDY)]) from error
+    except ValueError as error:  # neither JSON nor UTF-8
+        raise BadInput([Problem(str(file), f"is cut off or damaged: {error}", _REMEDY)]) from error
+    version = content.get("schema_version") if isinstance(content, dict) else None
+    if version != 1:
+        raise BadInput(
+            [Problem(str(file), f"has schema_version {version!r}", f"this program reads 1; {_REMEDY}")]
+        )
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        problems = [
+            Problem(f"{file}: {'.'.join(map(str, details['loc']))}", str(details["msg"]), _REMEDY)
+            for details in error.errors(include_url=False)
+        ]
+        raise BadInput(problems) from error

@@ -1,0 +1,135 @@
+"""What changed between two runs, from hand-made output folders."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from reachtest.diffing import RENDERERS, compare
+from reachtest.errors import BadInput
+from reachtest.report.write import write_coverage, write_reports
+from reachtest.results import Result, read_result
+from tests.unit.report.make import FAIL, PASS, make_exploration, make_finding, make_level, make_report
+
+KNOWN = make_finding()
+MOVED = replace(KNOWN, id="another id", exit_point=np.array([5.0, 2.5, 0]))
+OTHER = make_finding(id="other", title="Another hole | <b>", exit_point=np.array([60.0, 0, 0]))
+GOALS = np.array([[x, 0, 0] for x in np.arange(0, 60, 4.0)])
+
+
+def run(folder: Path, *findings, reached=None, stood=(), enough=True, level=None, **exploration) -> Result:
+    """An output folder; `reached` says which of GOALS were, `stood` adds places where somebody stood."""
+    explored = make_exploration(**exploration)
+    if reached is not None:
+        steps = np.where(reached, 5, -1)
+        explored = replace(explored, goals=GOALS, goal_step=steps)
+        places = np.concatenate([GOALS[steps >= 0], np.array(stood, dtype=float).reshape(-1, 3)])
+        n = len(places)
+        off = np.where(np.arange(n) < (steps >= 0).sum(), 0.0, np.inf)
+        made = replace(explored.points, positions=places, off_mesh_m=off, grounded=np.ones(n, dtype=bool))
+        explored = replace(explored, points=made)
+    report = make_report(findings, FAIL if findings else PASS, level=level, exploration=explored)
+    report.document["coverage"]["sufficient"] = enough
+    folder.mkdir()
+    write_reports(report, folder)
+    write_coverage(report, folder)
+    return read_result(folder)
+
+
+def told(old: Result, new: Result) -> Any:
+    return json.loads(RENDERERS["json"](compare(old, new)))
+
+
+def ids(document: Any) -> dict[str, list[str]]:
+    return {name: [f["id"] for f in found] for name, found in document["findings"].items()}
+
+
+def test_new_fixed_and_still_there_go_by_place_not_by_id(tmp_path) -> None:
+    document = told(run(tmp_path / "a", KNOWN, OTHER), run(tmp_path / "b", MOVED))
+    assert ids(document) == {"new": [], "fixed": ["other"], "not_seen": [], "still_there": ["another id"]}
+    assert document["findings"]["still_there"][0]["old_id"] == KNOWN.id
+    assert document["exit_code"] == 0
+    back = told(read_result(tmp_path / "b"), read_result(tmp_path / "a"))
+    assert ids(back)["new"] == ["other"]
+    assert back["exit_code"] == 1
+
+
+def test_a_new_finding_that_does_not_gate_fails_nothing(tmp_path) -> None:
+    document = told(run(tmp_path / "a"), run(tmp_path / "b", replace(OTHER, gating=False)))
+    assert ids(document)["new"] == ["other"]
+    assert document["exit_code"] == 0
+
+
+def test_fixed_is_said_only_of_a_run_that_explored_enough(tmp_path) -> None:
+    document = told(run(tmp_path / "a", KNOWN), run(tmp_path / "b", enough=False))
+    assert ids(document)["not_seen"] == [KNOWN.id]
+    assert ids(document)["fixed"] == []
+
+
+def test_areas_that_became_unreachable_and_reachable(tmp_path) -> None:
+    west = GOALS[:, 0] < 30
+    old = run(tmp_path / "a", reached=np.ones(len(GOALS), dtype=bool))
+    new = run(tmp_path / "b", reached=west, stood=[[0, 40, 6], [3, 43, 6]], cells_once=900)
+    areas = told(old, new)["areas"]
+    (lost,), (won,) = areas["became_unreachable"], areas["became_reachable"]
+    assert (lost["goals"], lost["on_navmesh"]) == (7, True)
+    assert lost["bounds"] == [[32, 0, 0], [56, 0, 0]]
+    x, y, z = lost["position"]
+    assert lost["source_position"] == pytest.approx([100 * x, 100 * z, -100 * y])  # cm, y up
+    assert (won["goals"], won["on_navmesh"]) == (0, False)
+    assert won["position"][2] == 6
+    text = RENDERERS["text"](compare(old, new))
+    assert "Became unreachable, may be chance (1)" in text
+    assert "7 goals" in text
+
+
+def test_the_same_run_has_no_areas_and_chance_is_ruled_out_by_saturation(tmp_path) -> None:
+    everywhere = np.ones(len(GOALS), dtype=bool)
+    one = run(tmp_path / "a", reached=everywhere, cells_once=1)
+    other = run(tmp_path / "b", reached=everywhere, cells_once=1, seed=8, agent_steps=100)
+    unsure = run(tmp_path / "c", reached=everywhere, cells_once=900)
+    document = told(one, other)
+    assert document["areas"] == {"may_be_chance": False, "became_unreachable": [], "became_reachable": []}
+    assert told(one, unsure)["areas"]["may_be_chance"]
+    assert "seeds 7 and 8" in " ".join(document["notes"])
+    assert "agent steps" in " ".join(document["notes"])
+
+
+def test_goals_of_a_changed_navmesh_are_compared_by_place(tmp_path) -> None:
+    old = run(tmp_path / "a", reached=np.ones(len(GOALS), dtype=bool))
+    shifted = make_exploration(goals=GOALS + [1.0, 1.0, 0], goal_step=np.where(GOALS[:, 0] < 30, 5, -1))
+    stood = replace(shifted.points, positions=np.array([[0.0, 0, 0], [8, 0, 0], [16, 0, 0], [24, 0, 0]]))
+    new = run(tmp_path / "b", goals=shifted.goals, goal_step=shifted.goal_step, points=stood)
+    (lost,) = told(old, new)["areas"]["became_unreachable"]
+    assert lost["bounds"][0][0] >= 28
+    assert lost["bounds"][1][0] == 56
+
+
+def test_a_changed_level_is_said_and_another_level_refused(tmp_path) -> None:
+    old = run(tmp_path / "a")
+    assert any(
+        "changed" in note for note in told(old, run(tmp_path / "b", level=make_level(sha256="00")))["notes"]
+    )
+    with pytest.raises(BadInput, match=r"'cellar'.*'hall'"):
+        compare(old, run(tmp_path / "c", level=make_level(name="cellar")))
+
+
+def test_a_report_alone_is_compared_but_for_areas(tmp_path) -> None:
+    old, new = run(tmp_path / "a", KNOWN), run(tmp_path / "b", KNOWN)
+    (tmp_path / "a" / "coverage.json").unlink()
+    document = told(read_result(tmp_path / "a" / "report.json"), new)
+    assert document["areas"] is None
+    assert ids(document)["still_there"] == [KNOWN.id]
+    assert any("coverage.json" in note for note in document["notes"])
+    assert compare(old, new).unreachable == ()
+
+
+def test_markdown_shows_titles_as_they_are(tmp_path) -> None:
+    text = RENDERERS["markdown"](compare(run(tmp_path / "a"), run(tmp_path / "b", OTHER)))
+    assert r"Another hole \| \<b\>" in text
+    assert "## New (1)" in text
