@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from reachtest.explore import Explorer
-from reachtest.geometry import ColumnIndex, SurfaceIndex
+from reachtest.geometry import ColumnIndex
 from reachtest.levels import load_level
+from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Exploration, Floats, Level, Points, Spawn, StepResult
 from reachtest.world import MujocoSimulator
 
@@ -180,7 +181,7 @@ class _Standing(MujocoSimulator):
 
 def _explored(level: Level) -> tuple[_Standing, Exploration]:
     level = replace(level, explore=replace(level.explore, steps=AGREEMENT_STEPS))
-    surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
+    surface = expected_surface(level)
     simulator = _Standing(level, level.explore.lanes)
     return simulator, Explorer(level, simulator, surface, 0).run()
 

@@ -11,8 +11,12 @@ from typing import Annotated
 import typer
 
 from reachtest import __version__
+from reachtest.commands.baseline import baseline
 from reachtest.commands.bench import bench
 from reachtest.commands.check import schema, validate
+from reachtest.commands.diff import diff
+from reachtest.commands.navmesh import navmesh
+from reachtest.commands.replay import replay
 from reachtest.commands.run import run
 from reachtest.errors import EXIT_BAD_INPUT, EXIT_INTERNAL, BadInput, ReachtestError
 
@@ -24,7 +28,11 @@ app = typer.Typer(
 )
 for command in (run, validate, schema):
     app.command()(command)
+app.command()(diff)
+app.command()(replay)
+app.add_typer(baseline, name="baseline")
 app.add_typer(bench, name="bench")
+app.add_typer(navmesh, name="navmesh")
 
 
 def _version(wanted: bool) -> None:

@@ -5,21 +5,26 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
 from reachtest import __version__
+from reachtest.baseline import Baseline, apply_baseline, read_baseline
 from reachtest.errors import BadInput, Problem
-from reachtest.explore import HEURISTICS, Explorer, Replayer
+from reachtest.explore import HEURISTICS, Confirmer, Explorer, Replayer
 from reachtest.findings import find, judge
-from reachtest.geometry import SurfaceIndex
-from reachtest.interfaces import Observer
+from reachtest.findings.audit import missed_ground
+from reachtest.findings.evidence import Evidence
+from reachtest.interfaces import Observer, Simulator
 from reachtest.levels import load_level
 from reachtest.logs import McapLog
+from reachtest.navmesh.allowed import expected_surface
+from reachtest.navmesh.survey import Survey
 from reachtest.records import Level, Report, StopReason
+from reachtest.replaying.state import write_state
 from reachtest.report import build_document
-from reachtest.report.write import write_reports
+from reachtest.report.write import write_coverage, write_reports
 from reachtest.world import SIMULATORS
 
 
@@ -33,6 +38,9 @@ class RunOptions:
     threads: int = 0  # 0: every core
     simulator: str = next(iter(SIMULATORS))
     overrides: dict[str, Any] = field(default_factory=dict)  # of `explore` and `gate`
+    baseline: Path | None = None  # known bugs; wins over the level's `gate.baseline`
+    audit: bool = False  # also list ground that the nav-mesh misses
+    today: date = field(default_factory=lambda: datetime.now(UTC).date())  # for known bugs that expire
 
 
 def load(options: RunOptions) -> Level:
@@ -54,23 +62,49 @@ def run(
 ) -> tuple[Report, Path]:
     """Explore, find, judge and write everything; returns the report and the folder it was written to."""
     started_at = datetime.now(UTC).isoformat(timespec="seconds")
+    known = _baseline(level, options)
     folder = options.out or Path("reachtest-out") / level.name
     _make_folder(folder)
     simulator = SIMULATORS[options.simulator](level, level.explore.lanes, options.threads)
-    surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
+    surface = expected_surface(level)
     round_s = level.explore.reset_interval * simulator.step_s
     with McapLog(folder / "run.mcap", level, round_s) as log:
         explorer = Explorer(level, simulator, surface, options.seed, [*observers, log], interrupted)
         exploration = explorer.run()
-        replayer = Replayer(level, simulator, exploration.points, options.seed)
+        replayer = Replayer(level, simulator, exploration.points, options.seed, exploration.headings)
         replayer.check()
-        findings = find(level, exploration, replayer)
+        survey = Survey(level, exploration)
+        confirmer = Confirmer(level, simulator, surface, options.seed, _simulate(options))
+        findings = confirmer.confirm(find(level, exploration, replayer, survey))
         log.finish(findings)
-    verdict = judge(level.gate, exploration, findings)
-    document = build_document(level, exploration, findings, verdict, __version__, started_at)
+    enough = judge(level.gate, exploration, (), survey.counts).name == "pass"
+    beside: dict[str, Any] = {}
+    if known is not None:
+        findings, outcome = apply_baseline(known, findings, options.today)
+        beside["baseline"] = outcome.section(enough)
+    if options.audit:
+        beside["audit"] = missed_ground(Evidence(level, exploration, replayer, survey))
+    verdict = judge(level.gate, exploration, findings, survey.counts)
+    document = build_document(level, exploration, findings, verdict, __version__, started_at, survey) | beside
+    document["coverage"]["sufficient"] = enough
     report = Report(level, exploration, findings, verdict, __version__, started_at, document)
     write_reports(report, folder)
+    write_coverage(report, folder)
+    write_state(folder, level, findings, confirmer.judge, options.simulator)
     return report, folder
+
+
+def _simulate(options: RunOptions) -> Callable[[Level, int], Simulator]:
+    return lambda level, agents: SIMULATORS[options.simulator](level, agents, options.threads)
+
+
+def _baseline(level: Level, options: RunOptions) -> Baseline | None:
+    """The known bugs that the command line or the level names. Raises BadInput."""
+    if options.baseline is not None:
+        return read_baseline(options.baseline, level.name)
+    if level.gate.baseline is not None:
+        return read_baseline(level.file.parent / level.gate.baseline, level.name, named=level.gate.baseline)
+    return None
 
 
 def _make_folder(folder: Path) -> None:

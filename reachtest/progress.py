@@ -105,4 +105,6 @@ def _what(record: RoundRecord, elapsed_s: float) -> str:
     rate = record.agent_steps / max(elapsed_s, 1e-9)
     goals = f"{record.goals_reached} of {record.goals_total} goals"
     falls = f", {record.falls} falls" if record.falls else ""
-    return f"{rate:,.0f} steps/s, {record.points:,} points, {goals}{falls}"
+    share = record.discovery_share
+    new = "" if share is None else f", {share:.0%} of episodes find something new"
+    return f"{rate:,.0f} steps/s, {record.points:,} points, {goals}{falls}{new}"

@@ -7,6 +7,7 @@ Positions are the character's *feet* in level coordinates: metres, z up, float64
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -167,6 +168,9 @@ class ExploreSettings:
     goal_spacing_m: float = 4.0
     goal_radius_m: float = 1.0
     expected_within_m: float = 3.0
+    directed: float = 0.25  # share of the lanes that push towards an open goal on purpose
+    effort: int = 64  # directed attempts from its border before a part of the nav-mesh is called unreached
+    stop_when_done: bool = False  # stop once everything is reached and `gate.max_discovery_probability` is met
 
     @property
     def lanes(self) -> int:
@@ -181,6 +185,7 @@ class GateSettings:
     fail_on: tuple[str, ...]
     min_goals_reached: float = 1.0
     max_discovery_probability: float | None = None
+    baseline: str | None = None  # file of known bugs, relative to level.yaml
 
 
 @dataclass(frozen=True)
@@ -215,6 +220,7 @@ class StopReason(enum.Enum):
     TIME = "the time budget was used up"
     INTERRUPTED = "interrupted (SIGINT)"
     TERMINATED = "terminated (SIGTERM)"
+    DONE = "everything was reached and the risk is below the limit"
 
 
 class EndReason(enum.IntEnum):
@@ -316,6 +322,67 @@ class RoundRecord:
     goals_reached: int
     goals_total: int
     falls: int  # so far
+    discovery_share: float | None = None  # of the latest episodes, how many found a new cell
+
+
+@dataclass(frozen=True)
+class Pocket:
+    """A region from which nothing found leads back to a spawn, after directed attempts to return."""
+
+    cells: Floats  # [n, 3] a standing place in every cell of it
+    points: Ints  # [m] cached points in it
+    arrival: Fall  # an episode that got into it, as if it fell: it need not have left a cached point there
+    stuck: bool  # a few metres and no way out; else a larger region with no way back to a spawn's island
+    attempts: int  # directed episodes that tried to leave it
+    sim_time_s: float  # of those attempts
+    volume_m3: float  # of the cells of side K that they passed through
+    reach_m: float  # farthest that any of them got from where it began
+
+
+@dataclass(frozen=True)
+class RiskSample:
+    """What a run knew of the risk that remains at one moment; the unit of sampling is one episode."""
+
+    agent_steps: int
+    episodes: int  # t
+    discovering: int  # of the episodes: found a cell that none before them had been to
+    cells_once: int  # Q1: cells visited by exactly one episode
+    cells_twice: int  # Q2
+    cells_total: int
+    recent_episodes: int  # the latest ones
+    recent_discovering: int  # likewise, of those
+    goals_reached: int
+    points: int  # cached
+
+    @property
+    def discovery_probability(self) -> float:
+        """Bound on the probability that the next episode finds a new cell: min(1, Q1 / t).
+
+        Good-Turing for incidence data (Boehme, STADS, TOSEM 2018); an estimate, since sampling is adaptive.
+        """
+        return min(1.0, self.cells_once / max(self.episodes, 1))
+
+    @property
+    def estimated_cells_total(self) -> float:
+        """Lower bound on the cells that exist: Chao2, with the episode as the unit of sampling."""
+        once, twice, episodes = self.cells_once, self.cells_twice, max(self.episodes, 1)
+        unseen = once**2 / (2 * twice) if twice else once * (once - 1) / 2
+        return self.cells_total + (episodes - 1) / episodes * unseen
+
+    @property
+    def ten_times_longer(self) -> tuple[float, float]:
+        """Between what numbers the cells lie that are likely to be seen after ten times the episodes.
+
+        One is Chao2, usually the lower. The other takes Q1 to stay what it is, though it falls once most is seen:
+        then episode u finds Q1 / u new cells, which adds up to Q1 ln 10.
+        """
+        steady = self.cells_total + self.cells_once * math.log(10)
+        return min(self.estimated_cells_total, steady), max(self.estimated_cells_total, steady)
+
+    @property
+    def recent_share(self) -> float | None:
+        """Share of the latest episodes that found a new cell; None before the first."""
+        return self.recent_discovering / self.recent_episodes if self.recent_episodes else None
 
 
 @dataclass(frozen=True)
@@ -338,21 +405,31 @@ class Exploration:
     seed: int
     settings: ExploreSettings
     timing: dict[str, float]  # physics_s, cache_s, rest_s, wall_s
+    headings: NDArray[np.int8] = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
+    # [rounds, B] the way each directed lane pushed (1 to 8 by 45 degrees); 0 for the others
+    goal_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    # [G] directed at it since a goal of the same open part was reached last
+    goal_border_m: Floats = field(default_factory=lambda: np.zeros(0))  # [G] nearest place they began at
+    required_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # [R] likewise
+    pockets: tuple[Pocket, ...] = ()
+    probe_episodes: int = 0  # of the search for ways back; outside the step budget
+    probe_steps: int = 0  # [agent steps] likewise
+    risk_curve: tuple[RiskSample, ...] = ()  # over the run, evenly in agent steps; the last is its end
 
     @property
     def discovery_probability(self) -> float:
-        """Bound on the probability that the next episode finds a new cell: min(1, Q1 / t).
-
-        Good-Turing for incidence data (Boehme, STADS, TOSEM 2018); an estimate, since sampling is adaptive.
-        """
-        return min(1.0, self.cells_once / max(self.episodes, 1))
+        """Bound on the probability that the next episode finds a new cell: see `RiskSample`."""
+        return self._at_the_end.discovery_probability
 
     @property
     def estimated_cells_total(self) -> float:
-        """Lower bound on the cells that exist: Chao2, with the episode as the unit of sampling."""
-        once, twice, episodes = self.cells_once, self.cells_twice, max(self.episodes, 1)
-        unseen = once**2 / (2 * twice) if twice else once * (once - 1) / 2
-        return self.cells_total + (episodes - 1) / episodes * unseen
+        """Lower bound on the cells that exist: see `RiskSample`."""
+        return self._at_the_end.estimated_cells_total
+
+    @property
+    def _at_the_end(self) -> RiskSample:
+        cells = (self.cells_once, self.cells_twice, self.cells_total)
+        return RiskSample(self.agent_steps, self.episodes, 0, *cells, 0, 0, 0, 0)
 
 
 # --- findings and report --------------------------------------------------------------------------
@@ -368,6 +445,7 @@ KINDS = (
     "required_unreached",
     "navmesh_mismatch",
 )
+SEVERITIES = ("error", "warning")
 
 
 @dataclass(frozen=True)
@@ -380,6 +458,20 @@ class ReplayPath:
     duration_s: float
     attempts: int
     succeeded: int
+    state: Floats | None = None  # [S] the simulator's state at the start
+    actions: NDArray[np.int8] | None = None  # [N, 2] every agent step; of a cut path no chain of episodes is left
+    states: Floats | None = None  # [N, S] after every agent step
+    stood: Floats | None = None  # [N, 3] where it stood last during the step; NaN if it did not
+    found_s: float | None = None  # how long the way was before it was cut
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """How often a finding came about again, each as (attempts, succeeded)."""
+
+    exact: tuple[int, int]  # bit for bit, from its path
+    half_step: tuple[int, int]  # at half the physics time step: the found actions and variations of them
+    nearby: tuple[int, int]  # variations at the run's own time step
 
 
 @dataclass(frozen=True)
@@ -400,6 +492,10 @@ class Finding:
     first_seen_step: int | None
     path: ReplayPath | None
     suppressed_by: str | None
+    confirmation: Confirmation | None = None  # None: nothing to re-simulate
+    fragile: bool = False  # came about again at the coarse time step only, or not at all
+    exits: Floats | None = None  # [n, 3] where paths left the nav-mesh on the way to it, thinned out
+    details: tuple[str, ...] = ()  # what else there is to say, a line each
 
 
 @dataclass(frozen=True)

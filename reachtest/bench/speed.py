@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from reachtest.explore import Explorer
-from reachtest.geometry import SurfaceIndex
 from reachtest.levels import load_level
+from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Floats, Level
 from reachtest.world import MujocoSimulator
 
@@ -46,7 +46,7 @@ def measure_speed(path: Path, steps: int | None = None, seed: int = 0) -> Speed:
     began = time.perf_counter()
     level = load_level(path, {"explore": {"steps": steps}} if steps else {})
     settings = level.explore
-    surface = SurfaceIndex(level.navmesh.triangles, settings.expected_within_m)
+    surface = expected_surface(level)
     simulator = MujocoSimulator(level, settings.lanes)
     explorer = Explorer(level, simulator, surface, seed)
     _first_step(level, simulator)

@@ -21,7 +21,16 @@ def run(
     time_budget: Annotated[str | None, typer.Option(help="Wall-clock limit: 90s, 30m, 2h.")] = None,
     agents: Annotated[int | None, typer.Option(min=1, help="Agents that explore side by side.")] = None,
     threads: Annotated[int, typer.Option(min=0, help="Simulation threads; 0 takes every core.")] = 0,
-    fail_on: Annotated[str | None, typer.Option(help="Kinds of findings that fail, by commas.")] = None,
+    fail_on: Annotated[
+        str | None, typer.Option(help="Kinds of findings that fail, or error, warning; by commas.")
+    ] = None,
+    baseline: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Known bugs, which do not fail. [default: the level's]"),
+    ] = None,
+    audit: Annotated[
+        bool, typer.Option("--audit", help="List ground that is walked on and the nav-mesh misses.")
+    ] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="report.json on stdout, nothing else.")] = False,
 ) -> None:
@@ -40,7 +49,9 @@ def run(
         else {}
     )
     options = pipeline.with_overrides(
-        pipeline.RunOptions(level, out, seed, threads), explore=explore, gate=gate
+        pipeline.RunOptions(level, out, seed, threads, baseline=baseline, audit=audit),
+        explore=explore,
+        gate=gate,
     )
     loaded = pipeline.load(options)
     with StopOnSignal() as interrupted, progress_for(loaded.explore, quiet) as progress:

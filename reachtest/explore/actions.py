@@ -8,20 +8,38 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reachtest.records import Floats, Ints
+
 HOLD_STEPS = 6.0  # mean of the geometric time a direction is held: carries further than fresh noise
 JUMP_SHARE = 0.25  # of the holds are made jumping
 CENTRED_SHARE = 0.05  # of the holds stand still: enough for what only waiting finds
+HEADING_SHARE = (
+    0.7  # of a directed stream's holds push its way, give or take 45 degrees; the rest gets around corners
+)
 
 
-def action_stream(seed: int, round_: int, agent: int, steps: int) -> NDArray[np.int8]:
-    """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round."""
+def action_stream(
+    seed: int, round_: int, agent: int, steps: int, heading: int = 0, jump_share: float = JUMP_SHARE
+) -> NDArray[np.int8]:
+    """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
+
+    With a `heading` (1 to 8) most of them push that way; 0 is for no way in particular.
+    """
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
     change = rng.random(steps) < 1.0 / HOLD_STEPS
     change[0] = True
     hold = np.cumsum(change) - 1
     stick = np.where(rng.random(steps) < CENTRED_SHARE, 0, rng.integers(1, 9, steps))
-    jump = rng.random(steps) < JUMP_SHARE
+    jump = rng.random(steps) < jump_share
+    if heading:
+        towards = (heading - 1 + rng.integers(-1, 2, steps)) % 8 + 1
+        stick = np.where(rng.random(steps) < HEADING_SHARE, towards, stick)
     return np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
+
+
+def heading_of(away: Floats) -> Ints:
+    """The headings [n], 1 to 8, that lead most nearly along `away` [n, 2 or 3]."""
+    return np.rint(np.arctan2(away[:, 1], away[:, 0]) / (np.pi / 4)).astype(np.int64) % 8 + 1
 
 
 def start_generator(seed: int, round_: int) -> np.random.Generator:

@@ -88,13 +88,13 @@ class Archive:
         """The states [n, S] of cached points [n]."""
         return np.concatenate([self._cache.positions[points], self._columns["motion"][points]], axis=1)
 
-    def footing_of(self, point: int) -> Floats:
-        """Where the character last stood [3]."""
-        return self._place(self._footings, "footing", point)
+    def footings_of(self, points: Ints) -> Floats:
+        """Where the characters of cached points [n] stood last [n, 3]."""
+        return self._places(self._footings, "footing", points)
 
-    def exit_of(self, point: int) -> Floats:
-        """Where the character last stood at an expected position [3]; NaN if it did not yet."""
-        return self._place(self._exits, "exit_point", point)
+    def exits_of(self, points: Ints) -> Floats:
+        """Where they last stood at an expected position [n, 3]; NaN if they did not yet."""
+        return self._places(self._exits, "exit_point", points)
 
     @property
     def grounded(self) -> Bools:
@@ -140,6 +140,5 @@ class Archive:
     def _column(self, name: str) -> NDArray[np.generic]:
         return self._columns[name][: self._count]
 
-    def _place(self, places: Places, name: str, point: int) -> Floats:
-        refs = self._columns[name][point : point + 1].astype(np.int32)
-        return places.get(refs, self._cache.positions[point : point + 1])[0]
+    def _places(self, places: Places, name: str, points: Ints) -> Floats:
+        return places.get(self._columns[name][points].astype(np.int32), self._cache.positions[points])

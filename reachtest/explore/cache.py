@@ -60,6 +60,21 @@ class PositionCache:
             self._append(positions[new])
         return new
 
+    def nearest(self, places: Floats, count: int) -> tuple[Floats, Ints]:
+        """The `count` cached points nearest to each of `places` [n, 3]: distances and indices [n, count].
+
+        Where there are fewer, the rest is infinitely far and has index -1.
+        """
+        away = np.full((len(places), count), np.inf)
+        who = np.full((len(places), count), -1, dtype=np.int64)
+        for run in self._runs:
+            near, place = run.tree.query(places, k=np.arange(1, count + 1))
+            both = np.concatenate([away, near], axis=1)
+            ids = np.concatenate([who, np.where(np.isfinite(near), run.begin + place, -1)], axis=1)
+            order = np.argsort(both, axis=1, kind="stable")[:, :count]
+            away, who = np.take_along_axis(both, order, axis=1), np.take_along_axis(ids, order, axis=1)
+        return away, who
+
     def _known(self, run: _Run, positions: Floats) -> Bools:
         """Which positions [n] lie within K of one of the run's points."""
         near, _ = run.tree.query(positions, distance_upper_bound=self.threshold_m * _WIDER)

@@ -14,13 +14,19 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reachtest.explore.actions import action_stream, start_generator
+from reachtest.explore.aim import Aims
 from reachtest.explore.heuristics import mixture
 from reachtest.explore.ledger import Ledger
+from reachtest.explore.probe import Probed, Prober
+from reachtest.explore.replay import Replayer
+from reachtest.explore.risk import is_done
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.interfaces import Observer, Simulator, Surface
-from reachtest.records import Exploration, Ints, Level, RoundRecord, StopReason
+from reachtest.navmesh.coverage import goal_islands
+from reachtest.records import Bools, Exploration, Ints, Level, Points, RoundRecord, StopReason
 
 STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight steps at the least
 
@@ -44,18 +50,24 @@ class Explorer:
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
+        self._wanted = self._worth()
+        self._aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
+        self._headings: list[NDArray[np.int8]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
 
     def run(self) -> Exploration:
         """Explore until a budget ends or the run is interrupted."""
         while (stop := self._should_stop()) is None:
             self._one_round()
-        wall = time.monotonic() - self._began
         ledger = self._ledger
+        points, headings = ledger.archive.points(), self._round_headings()
+        replayer = Replayer(self._level, self._simulator, points, self._seed, headings)
+        probed = self._probe(stop, replayer, points)
+        wall = time.monotonic() - self._began
         physics, cache = self._physics_s, ledger.cache_s
         once, twice, cells = ledger.visits.incidence()
         return Exploration(
-            points=ledger.archive.points(),
+            points=points,
             visits=ledger.visits.of(ledger.archive.cells),
             goals=ledger.on_navmesh,
             goal_step=ledger.goal_step,
@@ -70,13 +82,42 @@ class Explorer:
             stop_reason=stop,
             seed=self._seed,
             settings=self._settings,
+            headings=headings,
+            goal_attempts=self._aims.attempts[: len(ledger.on_navmesh)],
+            goal_border_m=self._aims.border_m[: len(ledger.on_navmesh)],
+            required_attempts=self._aims.attempts[len(ledger.on_navmesh) :],
+            pockets=probed.pockets,
+            probe_episodes=probed.episodes,
+            probe_steps=probed.steps,
+            risk_curve=ledger.risk.samples,
             timing={"wall_s": wall, "physics_s": physics, "cache_s": cache, "rest_s": wall - physics - cache},
         )
+
+    def _round_headings(self) -> NDArray[np.int8]:
+        """The headings of all lanes in all rounds [rounds, lanes]."""
+        return np.array(self._headings, dtype=np.int8).reshape(-1, self._settings.lanes)
+
+    def _probe(self, stop: StopReason, replayer: Replayer, points: Points) -> Probed:
+        """Look for pockets, unless somebody waits for the end."""
+        if stop in (StopReason.INTERRUPTED, StopReason.TERMINATED):
+            return Probed((), 0, 0)
+        ledger = self._ledger
+        prober = Prober(self._level, self._simulator, ledger.transitions, replayer, self._seed, ledger.rounds)
+        return prober.run(points)
 
     @property
     def bytes_per_point(self) -> float:
         """What a cached point takes outside the tree."""
         return self._ledger.archive.bytes_per_point
+
+    def _worth(self) -> Bools:
+        """The goals [G] that somebody should be able to get to: not those on the roofs, but the required points."""
+        goals = self._ledger.goals.goals
+        worth = np.ones(len(goals), dtype=np.bool_)
+        count = len(self._ledger.on_navmesh)
+        spawns = np.array([spawn.position for spawn in self._level.spawns])
+        worth[:count] = goal_islands(self._level.navmesh, spawns, goals[:count]).goals_count
+        return worth
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings
@@ -84,34 +125,52 @@ class Explorer:
             return StopReason.STEPS
         if s.time_budget_s is not None and time.monotonic() - self._began >= s.time_budget_s:
             return StopReason.TIME
+        reached, latest = self._ledger.goals.reached_step, self._ledger.risk.latest
+        if s.stop_when_done and is_done(self._level.gate, reached, self._wanted, latest):
+            return StopReason.DONE
         return self._interrupted()
 
     def _one_round(self) -> None:
         s = self._settings
         number = self._ledger.rounds
         length = min(s.reset_interval, -(-(s.steps - self._ledger.steps) // s.lanes))
+        parents, headings = self._draw_starts()
+        self._headings.append(headings)
         streams = [
-            action_stream(self._seed, number, agent, s.reset_interval)[:length] for agent in range(s.lanes)
+            action_stream(self._seed, number, lane, s.reset_interval, heading)[:length]
+            for lane, heading in enumerate(headings.tolist())
         ]
-        parents = self._draw_starts()
         began = time.monotonic()
         rolled = roll_out(self._simulator, self._ledger.states_of(parents), np.stack(streams, axis=1))
         self._physics_s += time.monotonic() - began
         new = self._ledger.record(rolled, parents)
         self._tell(rolled, new)
 
-    def _draw_starts(self) -> Ints:
-        """What each agent starts from [M, B]: cached points, or -1 - i for spawn i."""
+    def _draw_starts(self) -> tuple[Ints, NDArray[np.int8]]:
+        """What each lane starts from [M, B]: cached points, or -1 - i for spawn i; and its heading [B] or 0."""
+        headings = np.zeros(self._settings.lanes, dtype=np.int8)
         agents, number, archive = self._settings.lanes, self._ledger.rounds, self._ledger.archive
         shape, spawns = (STARTS_PER_AGENT, agents), len(self._level.spawns)
         if not len(archive) or number * agents < spawns:  # every spawn is used at least once
-            return -1 - (number * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns
-        weight = np.where(archive.hopeless, 0.0, self._eta(self._ledger.candidates()))
+            return -1 - (number * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns, headings
+        candidates = self._ledger.candidates()
+        weight = np.where(archive.hopeless, 0.0, self._eta(candidates))
         if not weight.any():
             weight[:] = 1.0
         total = np.cumsum(weight)
-        draws = start_generator(self._seed, number).random(shape) * total[-1]
-        return np.minimum(np.searchsorted(total, draws, side="right"), len(weight) - 1)
+        rng = start_generator(self._seed, number)
+        starts = np.minimum(
+            np.searchsorted(total, rng.random(shape) * total[-1], side="right"), len(weight) - 1
+        )
+        aim = self._aims.draw(rng, self._directed_lanes(number), self._ledger.cache, candidates)
+        if aim is not None:  # an episode that ends early is tried again from where it began
+            starts[:, : len(aim.starts)], headings[: len(aim.starts)] = aim.starts, aim.headings
+        return starts, headings
+
+    def _directed_lanes(self, number: int) -> int:
+        """How many lanes of a round are directed: the share to the nearest whole number, over the rounds."""
+        each = self._settings.directed * self._settings.lanes
+        return int(np.floor((number + 1) * each) - np.floor(number * each))
 
     def _tell(self, rolled: Trajectories, new: Ints) -> None:
         ledger = self._ledger
@@ -127,6 +186,7 @@ class Explorer:
             goals_reached=int((ledger.goal_step >= 0).sum()),
             goals_total=len(ledger.on_navmesh),
             falls=len(ledger.falls),
+            discovery_share=ledger.risk.latest.recent_share,
         )
         for observer in self._observers:
             observer.on_round(record)

@@ -8,13 +8,16 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from reachtest.explore.archive import Archive
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet, sample_goals
+from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
+from reachtest.explore.transitions import Transitions
 from reachtest.explore.visits import VisitCounts
 from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Surface
@@ -26,8 +29,14 @@ class _Trail:
     """A kind of position to look back for: in the episode under way, else at its parent, else at its spawn."""
 
     positions: Floats  # [T, B, 3] NaN where there is none
-    archived: Callable[[int], Floats]  # of a cached point [3]
+    archived: Callable[[Ints], Floats]  # of cached points [n]: [n, 3]
     spawned: Floats  # [S, 3]
+
+    @cached_property
+    def latest(self) -> Ints:
+        """The last step [T, B] with a position, up to each step; -1 before the first."""
+        steps = np.arange(len(self.positions))[:, None]
+        return np.maximum.accumulate(np.where(np.isfinite(self.positions[:, :, 0]), steps, -1), axis=0)
 
 
 class Ledger:
@@ -42,6 +51,8 @@ class Ledger:
         self._columns = ColumnIndex(level.collision)
         self.archive = Archive(self._cache, spawns.shape[1])
         self.visits = VisitCounts(s.threshold_m)
+        self.risk = RiskCurve()
+        self.transitions = Transitions(s.threshold_m)
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self._goals = self._all_goals(level)
         self.falls: list[Fall] = []
@@ -57,6 +68,16 @@ class Ledger:
     def required_step(self) -> Ints:
         """Likewise for the level's required points [R]."""
         return self._goals.reached_step[len(self.on_navmesh) :]
+
+    @property
+    def goals(self) -> GoalSet:
+        """Goals on the nav-mesh, then required points."""
+        return self._goals
+
+    @property
+    def cache(self) -> PositionCache:
+        """The cached positions."""
+        return self._cache
 
     def candidates(self) -> Candidates:
         """What the reset heuristics may know of the cached points."""
@@ -76,13 +97,22 @@ class Ledger:
         states[~spawned] = self.archive.states_of(parents[~spawned])
         return states
 
+    def _footings_of(self, parents: Ints) -> Floats:
+        """Where the characters stood last at each of their starts [..., 3]."""
+        spawned = parents < 0
+        footings = np.empty((*parents.shape, 3))
+        footings[spawned] = self._spawn_positions[-1 - parents[spawned]]
+        footings[~spawned] = self.archive.footings_of(parents[~spawned])
+        return footings
+
     def record(self, rolled: Trajectories, parents: Ints) -> Ints:
         """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
         steps, agents = rolled.ended.shape
         episode = rolled.start.astype(np.int64) * agents + np.arange(agents)
         valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
         flat = rolled.positions.reshape(-1, 3)[valid]
-        self.visits.add(flat, episode.ravel()[valid])
+        discovering = self.visits.add(flat, episode.ravel()[valid])
+        self.transitions.add(rolled, self._footings_of(parents), parents, self.rounds)
         began = time.monotonic()
         order = valid[self._cache.insert(flat)]
         self.cache_s += time.monotonic() - began
@@ -93,6 +123,8 @@ class Ledger:
         self._note_ends(rolled, parents, trails)
         self.steps += rolled.ended.size
         self.rounds += 1
+        goals = int((self.goal_step >= 0).sum())
+        self.risk.note(discovering, self.visits, self.steps, self.episodes, goals, len(self.archive))
         return new
 
     def _distances(self, points: Floats, columns: Ints) -> Floats:
@@ -105,10 +137,7 @@ class Ledger:
     def _append(self, rolled: Trajectories, parents: Ints, new: Ints, trails: tuple[_Trail, _Trail]) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        footings, exits = (
-            np.array([self._last(rolled, parents, trail, *pair) for pair in new.tolist()]).reshape(-1, 3)
-            for trail in trails
-        )
+        footings, exits = (self._last(rolled, parents, trail, t, b) for trail in trails)
         self.archive.append(
             states=rolled.states[t, b],
             grounded=rolled.grounded[t, b],
@@ -130,27 +159,31 @@ class Ledger:
         on_mesh = np.isfinite(self._distances(rolled.stood, np.union1d(new[:, 1], fell)))
         unknown = np.full_like(self._spawn_positions, np.nan)
         return (
-            _Trail(rolled.stood, self.archive.footing_of, self._spawn_positions),
-            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exit_of, unknown),
+            _Trail(rolled.stood, self.archive.footings_of, self._spawn_positions),
+            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exits_of, unknown),
         )
 
-    def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: int, b: int) -> Floats:
-        """The last position of the trail on the way to step t of agent b, that included."""
-        begin = int(rolled.start[t, b])
-        hits = np.flatnonzero(np.isfinite(trail.positions[begin : t + 1, b, 0]))
-        if len(hits):
-            return trail.positions[begin + hits[-1], b]
-        parent = int(parents[rolled.which[t, b], b])
-        return trail.archived(parent) if parent >= 0 else trail.spawned[-1 - parent]
+    def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: Ints, b: Ints) -> Floats:
+        """The last positions [n, 3] of the trail on the way to steps t [n] of lanes b [n], those included."""
+        step = trail.latest[t, b]
+        during = step >= rolled.start[t, b]
+        parent = parents[rolled.which[t, b], b]
+        archived, spawned = ~during & (parent >= 0), ~during & (parent < 0)
+        result = np.empty((len(t), 3))
+        result[during] = trail.positions[step[during], b[during]]
+        result[archived] = trail.archived(parent[archived])
+        result[spawned] = trail.spawned[-1 - parent[spawned]]
+        return result
 
     def _note_ends(self, rolled: Trajectories, parents: Ints, trails: tuple[_Trail, _Trail]) -> None:
         """Count the round's episodes and remember its falls."""
         self.episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
         self.diverged += int((rolled.ended == EndReason.DIVERGED).sum())
-        for t, b in np.argwhere(rolled.ended == EndReason.FELL).tolist():
+        when, who = np.nonzero(rolled.ended == EndReason.FELL)
+        ways = [self._last(rolled, parents, trail, when, who) for trail in trails]
+        for t, b, stood, left in zip(when.tolist(), who.tolist(), *ways, strict=True):
             parent = int(parents[rolled.which[t, b], b])
             origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)
-            stood, left = (self._last(rolled, parents, trail, t, b) for trail in trails)
             self.falls.append(Fall(origin, rolled.last[t, b], stood, left))
 
     def _hopeless(self, positions: Floats, grounded: Bools) -> Bools:

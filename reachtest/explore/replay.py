@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reachtest.errors import InternalError
 from reachtest.explore.actions import action_stream
@@ -22,15 +23,28 @@ CHECKED_POINTS = 32  # of every run are re-simulated: enough to notice a simulat
 class Episode:
     """One re-simulated episode."""
 
-    positions: Floats  # [n, 3]
-    state: Floats  # [S] at its end
+    states: Floats  # [n, S] after every step
+    stood: Floats  # [n, 3]
+
+    @property
+    def state(self) -> Floats:
+        """At its end [S]."""
+        return self.states[-1]
 
 
 class Replayer:
     """Meets `interfaces.Replayer` for the points of one exploration."""
 
-    def __init__(self, level: Level, simulator: Simulator, points: Points, seed: int) -> None:
-        self._simulator, self._points, self._seed = simulator, points, seed
+    def __init__(
+        self,
+        level: Level,
+        simulator: Simulator,
+        points: Points,
+        seed: int,
+        headings: NDArray[np.int8] | None = None,
+    ) -> None:
+        """`headings` [rounds, lanes] of the directed lanes; None: there were none."""
+        self._simulator, self._points, self._seed, self._headings = simulator, points, seed, headings
         self._spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._interval = level.explore.reset_interval
         self._done: dict[Origin, Episode] = {}
@@ -59,6 +73,18 @@ class Replayer:
                 " restore its states"
             )
 
+    def actions_of(self, origin: Origin) -> NDArray[np.int8]:
+        """The actions [n, 2] of the episode that led to `origin`."""
+        heading = 0 if self._headings is None else int(self._headings[origin.round, origin.agent])
+        stream = action_stream(self._seed, origin.round, origin.agent, self._interval, heading)
+        return stream[origin.start : origin.step]
+
+    def states_at(self, origins: Sequence[Origin]) -> Floats:
+        """The states [n, S] that `origins` [n] led to, their starts where nothing was done yet."""
+        moved = [origin for origin in origins if origin.step > origin.start]
+        ends = dict(zip(moved, self.simulate(moved), strict=True))
+        return np.array([ends[o].state if o in ends else self._start_state(o.parent) for o in origins])
+
     def simulate(self, origins: Sequence[Origin]) -> list[Episode]:
         """Run the episodes, as many at once as the simulator has agents."""
         todo = [origin for origin in dict.fromkeys(origins) if origin not in self._done]
@@ -72,16 +98,16 @@ class Replayer:
         length = [origin.step - origin.start for origin in origins]
         actions = np.zeros((max(length), self._simulator.agents, 2), dtype=np.int8)
         for lane, origin in enumerate(origins):
-            stream = action_stream(self._seed, origin.round, origin.agent, self._interval)
-            actions[: length[lane], lane] = stream[origin.start : origin.step]
+            actions[: length[lane], lane] = self.actions_of(origin)
         starts = np.array([self._start_state(origin.parent) for origin in origins])
         self._simulator.restore(np.arange(len(origins)), starts)
-        positions = np.empty((max(length), len(origins), 3))
+        states = np.empty((max(length), *starts.shape))
+        stood = np.empty((max(length), len(origins), 3))
         for t in range(max(length)):
-            positions[t] = self._simulator.step(actions[t]).positions[: len(origins)]
-            for lane in (lane for lane, steps in enumerate(length) if steps == t + 1):
-                state = self._simulator.save()[lane]
-                self._done[origins[lane]] = Episode(positions[: t + 1, lane].copy(), state)
+            stood[t] = self._simulator.step(actions[t]).stood[: len(origins)]
+            states[t] = self._simulator.save()[: len(origins)]
+        for lane, (origin, steps) in enumerate(zip(origins, length, strict=True)):
+            self._done[origin] = Episode(states[:steps, lane].copy(), stood[:steps, lane].copy())
 
     def _start_state(self, parent: int) -> Floats:
         return self._spawns[-1 - parent] if parent < 0 else self._points.states[parent]
@@ -97,14 +123,19 @@ class Replayer:
         episodes = self.simulate(chain)
         targets = [self._points.states[later.parent] for later in chain[1:]] + [end]
         good = all(_same(episode, target) for episode, target in zip(episodes, targets, strict=True))
-        positions = np.concatenate([episode.positions for episode in episodes])
+        states = np.concatenate([episode.states for episode in episodes])
+        state = self._start_state(chain[0].parent)
         return ReplayPath(
-            start=self._start_state(chain[0].parent)[:3],
+            start=state[:3],
             episodes=tuple(chain),
-            positions=positions,
-            duration_s=len(positions) * self._simulator.step_s,
+            positions=states[:, :3],
+            duration_s=len(states) * self._simulator.step_s,
             attempts=1,
             succeeded=int(good),
+            state=state,
+            actions=np.concatenate([self.actions_of(episode) for episode in chain]),
+            states=states,
+            stood=np.concatenate([episode.stood for episode in episodes]),
         )
 
 

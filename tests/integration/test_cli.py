@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 COMMAND = [sys.executable, "-m", "reachtest"]
-FILES = {"report.json", "summary.md", "junit.xml", "run.mcap"}
+FILES = {"report.json", "summary.md", "junit.xml", "coverage.json", "run.mcap", "state"}
 
 
 def reachtest(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:

@@ -11,7 +11,7 @@ import reachtest
 
 PACKAGE = Path(reachtest.__file__).parent
 STAGES = ("levels", "world", "explore", "findings", "logs", "report")
-WIRING = ("pipeline", "cli", "commands", "bench")  # these may import every stage
+WIRING = ("pipeline", "cli", "commands", "bench", "replaying")  # these may import every stage
 TOOLBOX = "reachtest.navmesh"  # what several stages need to know of nav-meshes
 MODULES = {
     ".".join(("reachtest", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path

@@ -155,7 +155,7 @@ def test_an_agent_whose_episode_ends_goes_on_from_its_next_start() -> None:
 
 def test_every_point_and_fall_is_replayed_bit_for_bit() -> None:
     result, _ = explore()
-    replayer = Replayer(LEVEL, Dot(4), result.points, 0)
+    replayer = Replayer(LEVEL, Dot(4), result.points, 0, result.headings)
     replayer.check()
     for index in (0, len(result.points) // 2, len(result.points) - 1):
         path = replayer.path_to_point(index)
@@ -175,7 +175,7 @@ def test_a_simulator_that_does_not_restore_is_an_internal_error() -> None:
 
     result, _ = explore()
     with pytest.raises(InternalError, match="bit for bit"):
-        Replayer(LEVEL, Forgetful(4), result.points, 0).check()
+        Replayer(LEVEL, Forgetful(4), result.points, 0, result.headings).check()
 
 
 def test_action_streams_are_their_own() -> None:

@@ -134,4 +134,5 @@ class Run:
         return np.concatenate(numbers)
 
     def replayer(self) -> Replayer:
-        return Replayer(self.level, Walker(self.level.explore.agents), self.result.points, self.seed)
+        points, headings = self.result.points, self.result.headings
+        return Replayer(self.level, Walker(self.level.explore.agents), points, self.seed, headings)

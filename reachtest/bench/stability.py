@@ -1,0 +1,127 @@
+"""Whether seeds agree: the verdict, and the findings matched by place."""
+
+from __future__ import annotations
+
+import dataclasses
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reachtest import pipeline
+from reachtest.baseline.place import Place, match
+from reachtest.bench.truth import PlantedBug, planted_bugs
+from reachtest.records import Finding, Floats
+
+
+@dataclass(frozen=True)
+class Bug:
+    """One bug, seen in some of the seeds."""
+
+    kind: str
+    title: str
+    gating: bool
+    position: tuple[float, float, float]  # where the first seed saw it, in the level's own axes and units
+    seeds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Stability:
+    """What the seeds of one level came to."""
+
+    level: str
+    seeds: int
+    steps: int
+    verdicts: tuple[str, ...]  # seed by seed
+    bugs: tuple[Bug, ...]  # most often seen first
+    planted: dict[str, tuple[int, ...]]  # name of a planted bug: the seeds that found it
+    wall_s: float
+
+    @property
+    def agreed(self) -> bool:
+        """Whether every seed gave the same verdict."""
+        return len(set(self.verdicts)) <= 1
+
+
+def measure_stability(
+    path: Path, seeds: int, steps: int | None = None, told: Callable[[str], None] = lambda line: None
+) -> Stability:
+    """Run the level at `path` with seeds 0 to `seeds` - 1. Raises BadInput."""
+    began = time.perf_counter()
+    verdicts: list[str] = []
+    found: list[tuple[Finding, ...]] = []
+    for seed in range(seeds):
+        options = pipeline.with_overrides(pipeline.RunOptions(path, seed=seed), explore={"steps": steps})
+        level = pipeline.load(options)
+        with tempfile.TemporaryDirectory(prefix="reachtest-") as folder:
+            report, _ = pipeline.run(level, dataclasses.replace(options, out=Path(folder)))
+        verdicts.append(report.verdict.name)
+        found.append(report.findings)
+        kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(f.kind for f in report.findings).items())
+        told(f"{level.name} seed {seed}: {report.verdict.name}; {kinds or 'no findings'}")
+    wanted = {bug.name: _seeds_with(bug, found) for bug in planted_bugs(path, level.frame)}
+    bugs = same_bugs(found, level.frame.to_source)
+    name = level.name if path.stem == "level" else f"{level.name} ({path.stem})"
+    wall_s = time.perf_counter() - began
+    return Stability(name, seeds, level.explore.steps, tuple(verdicts), bugs, wanted, wall_s)
+
+
+def same_bugs(found: Sequence[Sequence[Finding]], to_source: Callable[[Floats], Floats]) -> tuple[Bug, ...]:
+    """The findings of each seed, matched by place: every bug, and which seeds saw it."""
+    first: list[Finding] = []
+    seen: list[list[int]] = []
+    for seed, findings in enumerate(found):
+        known = match([Place.of(f) for f in findings], [Place.of(f) for f in first])
+        for finding, which in zip(findings, known, strict=True):
+            if which is None:
+                first.append(finding)
+                seen.append([seed])
+            elif seed not in seen[which]:
+                seen[which].append(seed)
+    bugs = [
+        Bug(finding.kind, finding.title, finding.gating, _point(to_source(finding.position)), tuple(seeds))
+        for finding, seeds in zip(first, seen, strict=True)
+    ]
+    return tuple(sorted(bugs, key=lambda bug: (-len(bug.seeds), not bug.gating)))
+
+
+def _seeds_with(bug: PlantedBug, found: Sequence[Sequence[Finding]]) -> tuple[int, ...]:
+    return tuple(seed for seed, findings in enumerate(found) if any(bug.is_told_by(f) for f in findings))
+
+
+def _point(values: Floats) -> tuple[float, float, float]:
+    x, y, z = np.round(values, 1).tolist()
+    return x, y, z
+
+
+def as_markdown(results: Sequence[Stability]) -> str:
+    """A row for each level, and below it each bug's share of the seeds."""
+    lines = ["| level | verdicts | findings in all seeds | in some | planted bugs found | s |"]
+    lines += ["|---|---|---:|---|---|---:|"]
+    for result in results:
+        n = result.seeds
+        verdicts = ", ".join(f"{name} {c} of {n}" for name, c in Counter(result.verdicts).most_common())
+        always = sum(len(bug.seeds) == n for bug in result.bugs)
+        some = ", ".join(f"{bug.kind} {len(bug.seeds)}" for bug in result.bugs if len(bug.seeds) < n)
+        planted = ", ".join(f"{len(seeds)} of {n}" for seeds in result.planted.values())
+        row = f"| {result.level} | {verdicts} | {always} | {some or '-'} | {planted or '-'}"
+        lines.append(f"{row} | {result.wall_s:,.0f} |")
+    for result in results:
+        lines += ["", f"{result.level}, {result.steps:,} steps:"]
+        lines += [f"- planted '{name}': {len(s)} of {result.seeds}" for name, s in result.planted.items()]
+        lines += [
+            f"- {len(bug.seeds)} of {result.seeds}: {bug.kind} at {list(bug.position)}"
+            f"{' (gates)' if bug.gating else ''}: {bug.title}"
+            for bug in result.bugs
+        ]
+    return "\n".join(lines)
+
+
+def as_data(results: Sequence[Stability]) -> list[dict[str, Any]]:
+    """The same as plain JSON types."""
+    return [{**dataclasses.asdict(result), "agreed": result.agreed} for result in results]

@@ -1,0 +1,83 @@
+"""`reachtest replay`: a run's findings once more."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from reachtest.replaying.state import KeptFinding, State
+
+
+def replay(
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The output folder of a run.")],
+    finding: Annotated[
+        str | None, typer.Argument(metavar="[FINDING]", help="Its id, or how it begins. [default: all]")
+    ] = None,
+    level: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The level file. [default: the run's]")
+    ] = None,
+    path: Annotated[
+        Path | None, typer.Option(metavar="FILE.pts", help="Write the way: one 'x y z' a line.")
+    ] = None,
+    mcap: Annotated[
+        Path | None, typer.Option(metavar="FILE.mcap", help="Write the way for Foxglove, Lichtblick, Rerun.")
+    ] = None,
+    video: Annotated[
+        Path | None, typer.Option(metavar="FILE.mp4", help="Film the way: .mp4 (with ffmpeg) or .gif.")
+    ] = None,
+) -> None:
+    """Simulate what a run found again, on the level as it is now, and say pass or fail for each finding.
+
+    0 all of it came about again, 1 some did not, 2 bad input. Files are written of FINDING, or of the first one.
+    """
+    opengl = os.environ.pop("MUJOCO_GL", None)  # a broken one is no reason not to simulate
+    from reachtest.replaying import repeat, show
+    from reachtest.replaying.state import read_state
+    from reachtest.replaying.video import write_video
+
+    state = read_state(out)
+    chosen = _chosen(state, finding)
+    now = repeat.load(repeat.find_level(out, state, level), state)
+    changed = repeat.changes(now, state)
+    for change in changed:
+        print(f"changed since the run: {change}")
+    results = repeat.repeat(now, state, chosen, bool(changed))
+    for result in results:
+        verdict = "pass" if result.passed else "FAIL"
+        if result.positions is None:
+            print(f"-     {result.finding.id}: {result.note}")
+            continue
+        seconds = len(result.positions) * now.explore.action_repeat / now.explore.physics_hz
+        print(f"{verdict}  {result.finding.id}: {result.note}, {seconds:.1f} s; {result.finding.title}")
+    if not results:
+        print("the run found nothing")
+    shown = show.first_way(results) if path or mcap or video else None
+    if path and shown:
+        show.write_points(path, now, shown)
+    if mcap and shown:
+        show.write_mcap(mcap, now, shown)
+    if video and shown:
+        write_video(video, now, shown, opengl)
+    for target in filter(None, (path, mcap, video)):
+        print(f"{target}: {shown.finding.id if shown else ''}")
+    raise typer.Exit(0 if all(result.passed for result in results) else 1)
+
+
+def _chosen(state: State, name: str | None) -> list[KeptFinding]:
+    """The findings that `name` is the id of or the beginning of; all for None. Raises BadInput."""
+    from reachtest.errors import BadInput, Problem
+
+    everything = list(state.kept.findings)
+    if name is None:
+        return everything
+    exact = [finding for finding in everything if finding.id == name]
+    some = exact or [finding for finding in everything if finding.id.startswith(name)]
+    if len(some) == 1:
+        return some
+    found = f"'{name}' is {'no finding' if not some else 'the beginning of several findings'} of this run"
+    known = ", ".join(finding.id for finding in some or everything) or "none"
+    raise BadInput([Problem("command line: FINDING", found, f"its findings are: {known}")])

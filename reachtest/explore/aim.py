@@ -1,0 +1,118 @@
+"""Acting on purpose: which open goals the directed lanes of a round push towards, and from where.
+
+Shape legend: G goals, n goals considered, k cached points near each, B directed lanes, P cached points.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from reachtest.explore.actions import heading_of
+from reachtest.explore.cache import PositionCache
+from reachtest.explore.goals import GoalSet
+from reachtest.explore.heuristics import NEAREST_M
+from reachtest.records import Bools, Candidates, Floats, Ints
+
+BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
+NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
+CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
+CHOICE = 32  # cached points around a goal to start from: all round it, and above and below
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What the directed lanes of a round do."""
+
+    starts: Ints  # [B] cached points
+    headings: Ints  # [B] 1 to 8
+    goals: Ints  # [B] the goal each pushes towards
+
+
+class Aims:
+    """Chooses goals so that all parts of the nav-mesh that are still open get their share, and counts."""
+
+    def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
+        """`worth` [G] are the goals that one should be able to get to."""
+        self._goals, self._worth, self._link = goals, worth, 2 * spacing_m
+        self._before: tuple[Ints, Ints] = (
+            np.empty(0, np.int64),
+            np.empty(0, np.int64),
+        )  # goals, and their parts
+        self.attempts: Ints = np.zeros(len(goals.goals), dtype=np.int64)  # [G] in vain, from the border
+        self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far the nearest start was
+
+    def draw(
+        self, rng: np.random.Generator, lanes: int, cache: PositionCache, candidates: Candidates
+    ) -> Aim | None:
+        """Goals for `lanes` lanes, the least tried first; None when no goal is open."""
+        self._forget_where_it_went_on()
+        open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
+        if not len(open_) or not lanes:
+            return None
+        if len(open_) > CONSIDERED:
+            open_ = np.sort(rng.choice(open_, CONSIDERED, replace=False))
+        away, who = cache.nearest(self._goals.goals[open_], CHOICE)
+        self._note_border(open_, away[:, 0])
+        chosen = self._rotate(rng, lanes, open_)
+        starts = _starts(rng, away[chosen], who[chosen], candidates)
+        goals = open_[chosen]
+        np.add.at(self.attempts, goals, 1)
+        towards = self._goals.goals[goals] - cache.positions[starts]
+        return Aim(starts, heading_of(towards), goals)
+
+    def _forget_where_it_went_on(self) -> None:
+        """Attempts count anew for a part of which a goal was reached: its border is another one now."""
+        goals, part = self._before
+        if len(goals):
+            went_on = np.bincount(part, weights=self._goals.reached_step[goals] >= 0) > 0
+            self.attempts[goals[went_on[part]]] = 0
+
+    def _note_border(self, goals: Ints, away: Floats) -> None:
+        """Attempts count when they began near the goal, or from the nearest place that was ever reached."""
+        before = self.border_m[goals]
+        nearer = (away < before - NEARER_M) & (before > BORDER_M)
+        self.attempts[goals[nearer]] = 0
+        self.border_m[goals] = np.minimum(before, away)
+
+    def _rotate(self, rng: np.random.Generator, lanes: int, goals: Ints) -> Ints:
+        """Places [lanes] in `goals`: always the part that was tried least, and of it the border goal tried least."""
+        part = _parts(self._goals.goals[goals], self._link)
+        self._before = goals, part
+        nearest = np.full(part.max() + 1, np.inf)
+        np.minimum.at(nearest, part, self.border_m[goals])
+        at_border = self.border_m[goals] <= np.maximum(nearest[part], BORDER_M)
+        tries = np.where(at_border, self.attempts[goals] + rng.random(len(goals)), np.inf)
+        total = np.bincount(part, weights=self.attempts[goals]) + rng.random(len(nearest))
+        chosen = np.empty(lanes, dtype=np.int64)
+        for lane in range(lanes):
+            where = int(total.argmin())
+            chosen[lane] = pick = int(np.where(part == where, tries, np.inf).argmin())
+            tries[pick] += 1
+            total[where] += 1
+        return chosen
+
+
+def _parts(places: Floats, link_m: float) -> Ints:
+    """Which connected part each of `places` [n, 3] belongs to [n]."""
+    pairs = cKDTree(places).query_pairs(link_m, output_type="ndarray")
+    shape = (len(places), len(places))
+    graph = coo_matrix((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=shape)
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _starts(rng: np.random.Generator, away: Floats, who: Ints, candidates: Candidates) -> Ints:
+    """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited, as the frontier is."""
+    near = away <= np.maximum(away[:, :1], BORDER_M)
+    usable = near & candidates.grounded[who]
+    usable |= near & ~usable.any(axis=1, keepdims=True)
+    visits = np.maximum(candidates.visits[who], 1)
+    weight = np.where(usable, 1.0 / (visits * np.maximum(away, NEAREST_M) ** 2), 0.0)
+    total = np.cumsum(weight, axis=1)
+    draws = rng.random((len(who), 1)) * total[:, -1:]
+    place = np.minimum((total <= draws).sum(axis=1), who.shape[1] - 1)
+    return who[np.arange(len(who)), place]

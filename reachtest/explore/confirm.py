@@ -1,0 +1,179 @@
+"""Confirmed, or not reported as a bug: every finding with a path is simulated again, and its path cut.
+
+Exactly, from its spawn; then from the last state on the nav-mesh before it: with other actions around the found ones,
+and all of that at half the physics time step. What half the step never shows is `fragile`: the time step's doing,
+or too close to tell from it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from reachtest.explore.outcome import ON_MESH_M, Judge
+from reachtest.explore.shorten import Way, pursuits, shorten
+from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
+from reachtest.explore.variation import held, vary
+from reachtest.interfaces import Simulator, Surface
+from reachtest.records import Confirmation, Finding, Floats, Level, ReplayPath
+
+VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
+ALL_VARIATIONS = 512
+MORE_TIMES = (
+    3  # as many again, from earlier on, for what half the step has not shown yet: fragile is said late
+)
+LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
+AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
+FINE_LANES = 64
+_STREAM = 0xC0  # apart from the streams of the exploration
+
+
+class Confirmer:
+    """Simulates findings again, all of them side by side."""
+
+    def __init__(
+        self,
+        level: Level,
+        simulator: Simulator,
+        surface: Surface,
+        seed: int,
+        simulate: Callable[[Level, int], Simulator],
+    ) -> None:
+        """`simulate` makes a simulator of a level for a number of agents: it is asked for one at half the step."""
+        self._level, self._simulator, self._simulate = level, simulator, simulate
+        self.judge = Judge(level, surface)
+        self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, 0, 0)))
+
+    def confirm(self, findings: Sequence[Finding]) -> tuple[Finding, ...]:
+        """The findings with their confirmation and the shortest known path; those that gate come first."""
+        known = {i: way for i, f in enumerate(findings) if (way := self._way(f))}
+        if not known:
+            return tuple(findings)
+        found = list(known.values())
+        cut = shorten(found, self._simulator, self.judge, self._rng)
+        count = int(np.clip(ALL_VARIATIONS // len(found), *VARIATIONS))
+        nearby = self._attempt(self._simulator, [self._stretch(way) for way in cut], count)
+        half, shown = self._half_step(found, cut, count)
+        exact = self._exact(shown)
+        result = list(findings)
+        for row, index in enumerate(known):
+            result[index] = self._with(findings[index], shown[row], exact[row], half[row], nearby[row])
+        return tuple(sorted(result, key=lambda finding: not finding.gating))
+
+    def _with(
+        self, finding: Finding, way: Way, exact: bool, half: tuple[int, int], nearby: tuple[int, int]
+    ) -> Finding:
+        path = finding.path
+        assert path is not None
+        tries = (path.attempts + 1, path.succeeded + exact)
+        fragile = half[1] == 0 or tries[1] < tries[0]
+        return dataclasses.replace(
+            finding,
+            path=_shown(path, way.trial, self._simulator.step_s),
+            confirmation=Confirmation(tries, half, nearby),
+            fragile=fragile,
+            gating=finding.gating and not fragile,
+        )
+
+    def _way(self, finding: Finding) -> Way | None:
+        """The way to a finding, up to where it comes about; None without a path."""
+        path = finding.path
+        if path is None or path.state is None or path.actions is None or path.states is None:
+            return None
+        assert path.stood is not None
+        fell = finding.kind == "fell_out_of_world"
+        trial = Trial(path.state, path.actions, path.states, path.stood, fell)
+        return Way(path.state, self.judge.outcome_of(finding), trial)
+
+    def _exact(self, ways: Sequence[Way]) -> list[bool]:
+        """Whether each way, all its actions in one go from its start, comes out bit for bit and shows it."""
+        lanes = [Lane(way.start, way.trial.actions, len(way.trial)) for way in ways]
+        return [
+            bool(np.array_equal(again.states, way.trial.states))
+            and self.judge.step(way.outcome, again) is not None
+            for way, again in zip(ways, run_lanes(self._simulator, lanes), strict=True)
+        ]
+
+    def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:
+        """What remains of a way from the last state on the nav-mesh at least `lead` steps before its outcome.
+
+        Where there is none, from the last expected one; rather not from the instant of a jump: the half step would
+        have to make that of the coarse one.
+        """
+        trial = way.trial
+        away = self.judge.away(trial)[: max(len(trial) - lead, 0)]
+        on_mesh, expected = away <= ON_MESH_M, np.isfinite(away)
+        calm = on_mesh & (trial.actions[: len(away), 1] == 0)
+        some = next((kind for kind in (calm, on_mesh, expected) if kind.any()), expected)
+        begin = int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
+        start = trial.states[begin - 1] if begin else way.start
+        rest = Trial(start, trial.actions[begin:], trial.states[begin:], trial.stood[begin:], trial.fell)
+        return Way(start, way.outcome, rest)
+
+    def _half_step(
+        self, found: Sequence[Way], cut: Sequence[Way], count: int
+    ) -> tuple[list[tuple[int, int]], list[Way]]:
+        """(attempts, succeeded) of each way, and the way to show: the cut one only if half the step shows it too."""
+        finer = self._simulate(_at_half_step(_around(self._level, [*found, *cut])), FINE_LANES)
+        tries = self._attempt(finer, [self._stretch(way) for way in cut], count, as_found=True)
+        shown = [
+            way if good else found[row] for row, (way, (_, good)) in enumerate(zip(cut, tries, strict=True))
+        ]
+        for times in range(1, 1 + MORE_TIMES):
+            missing = [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
+            earlier = [self._stretch(found[row], times * LEAD_STEPS) for row in missing]
+            more = self._attempt(finer, earlier, count, as_found=True)
+            for row, (attempts, succeeded) in zip(missing, more, strict=True):
+                tries[row] = (tries[row][0] + attempts, succeeded)
+        return tries, shown
+
+    def _attempt(
+        self, simulator: Simulator, ways: Sequence[Way], count: int, as_found: bool = False
+    ) -> list[tuple[int, int]]:
+        """(attempts, succeeded) of `count` variations of each way: half of them scripts, half followers."""
+        lanes, owner = [], []
+        for row, way in enumerate(ways):
+            steps = len(way.trial) * 5 // 4 + LEAD_STEPS
+            plans: list[Plan] = [vary(way.trial.actions, steps, self._rng) for _ in range(count // 2)]
+            plans += [held(way.trial.actions, steps)] if as_found else []
+            plans += pursuits(way.trial, count - count // 2, steps, self._rng)
+            lanes += [Lane(way.start, plan, steps) for plan in plans]
+            owner += [row] * len(plans)
+        tries = np.zeros((len(ways), 2), dtype=np.int64)
+        for row, trial in zip(owner, run_lanes(simulator, lanes), strict=True):
+            tries[row] += 1, self.judge.step(ways[row].outcome, trial) is not None
+        return [(int(attempts), int(succeeded)) for attempts, succeeded in tries]
+
+
+def _shown(path: ReplayPath, trial: Trial, step_s: float) -> ReplayPath:
+    return dataclasses.replace(
+        path,
+        positions=trial.positions,
+        actions=trial.actions,
+        states=trial.states,
+        stood=trial.stood,
+        duration_s=len(trial) * step_s,
+        found_s=path.duration_s,
+    )
+
+
+def _at_half_step(level: Level) -> Level:
+    finer = dataclasses.replace(
+        level.explore,
+        physics_hz=2 * level.explore.physics_hz,
+        action_repeat=2 * level.explore.action_repeat,
+    )
+    return dataclasses.replace(level, explore=finer)
+
+
+def _around(level: Level, ways: Sequence[Way]) -> Level:
+    """The level within `AROUND_M` of the ways, seen from above: falls go on below."""
+    low, high = level.collision.min(axis=1)[:, :2], level.collision.max(axis=1)[:, :2]
+    near = np.zeros(len(level.collision), dtype=np.bool_)
+    for way in ways:
+        places: Floats = np.concatenate([way.start[None, :3], way.trial.positions])[:, :2]
+        from_, to = places.min(axis=0) - AROUND_M, places.max(axis=0) + AROUND_M
+        near |= ((low <= to) & (high >= from_)).all(axis=1)
+    return dataclasses.replace(level, collision=level.collision[near])

@@ -1,0 +1,109 @@
+"""What makes a simulation show the same bug again: the same kind of thing at the same place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.explore.pursuit import Route
+from reachtest.explore.shortcut import over_navmesh
+from reachtest.explore.trials import Trial
+from reachtest.geometry import inside_closed_surface
+from reachtest.interfaces import Surface
+from reachtest.records import Bools, Finding, Floats, Level
+
+SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a width, and one jumps into it
+ON_MESH_M = 0.5  # "expected" reaches through walls: who went through one has to do it again
+SLACK_M = 1.0  # around the box of a finding
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is to come about again."""
+
+    kind: str
+    target: str | None  # the name of the solid or zone, where that is what counts
+    place: Floats  # [3]
+    low: Floats  # [3]
+    high: Floats  # [3]
+    exit_point: Floats | None  # [3]
+
+
+class Judge:
+    """Knows the level: says when, if at all, a simulation came to an outcome."""
+
+    def __init__(self, level: Level, surface: Surface) -> None:
+        """`surface` tells expected from unexpected positions."""
+        self._level, self._surface = level, surface
+        self._solids = {solid.name: solid for solid in level.solids}
+        self._zones = {zone.name: zone for zone in level.zones}
+
+    def over_navmesh(self, trial: Trial) -> Route | None:
+        """The short way over the nav-mesh to where a trial left it for good; None if there is none."""
+        on_mesh = np.flatnonzero(self.away(trial) <= ON_MESH_M)
+        return over_navmesh(self._level.navmesh, trial, int(on_mesh[-1])) if len(on_mesh) else None
+
+    def outcome_of(self, finding: Finding) -> Outcome:
+        """What would show `finding` again."""
+        here, target = finding.position[None], None
+        if finding.kind == "inside_solid":
+            inside = (name for name in self._solids if self._in_solid(name, here)[0])
+            target = next(inside, None)
+        elif finding.kind == "forbidden_zone":
+            around = (name for name in self._zones if self._in_zone(name, here)[0])
+            target = next(around, None)
+        exit_point = finding.exit_point
+        return Outcome(finding.kind, target, finding.position, finding.low, finding.high, exit_point)
+
+    def step(self, outcome: Outcome, trial: Trial, since: int = 0) -> int | None:
+        """The first step from `since` on at which `trial` came to `outcome`; None if it did not."""
+        if outcome.kind == "fell_out_of_world":
+            return len(trial) - 1 if trial.fell and self._same_fall(outcome, trial) else None
+        hits = np.flatnonzero(self._shows(outcome, trial, since))
+        return since + int(hits[0]) if len(hits) else None
+
+    def away(self, trial: Trial) -> Floats:
+        """How far [t] from the nav-mesh the character stood [m]; infinite where it did not, or was not expected."""
+        return self._surface.distance(trial.stood)
+
+    def _shows(self, outcome: Outcome, trial: Trial, since: int) -> Bools:
+        positions = trial.positions[since:]
+        if outcome.kind == "inside_solid":
+            return self._in_solid(outcome.target, positions)
+        if outcome.kind == "forbidden_zone":
+            return self._in_zone(outcome.target, positions)
+        stood = trial.stood[since:]
+        shown = ((stood >= outcome.low - SLACK_M) & (stood <= outcome.high + SLACK_M)).all(axis=1)
+        if outcome.kind == "unexpected_area" and shown.any():
+            shown &= ~np.isfinite(self._surface.distance(stood))
+        return np.asarray(shown, dtype=np.bool_)
+
+    def _same_fall(self, outcome: Outcome, trial: Trial) -> bool:
+        stood = np.concatenate([trial.start[None, :3], trial.stood[np.isfinite(trial.stood[:, 0])]])
+        if outcome.exit_point is not None:
+            left = stood[np.isfinite(self._surface.distance(stood))][-1:]
+            if len(left) and np.linalg.norm(left[0] - outcome.exit_point) <= SAME_PLACE_M:
+                return True
+        low, high = outcome.low - SAME_PLACE_M, outcome.high + SAME_PLACE_M
+        return bool(((stood[-1] >= low) & (stood[-1] <= high)).all())
+
+    def _in_solid(self, name: str | None, positions: Floats) -> Bools:
+        """Whether the middle of the body or the centre of its lower sphere is inside: as findings have it."""
+        inside = np.zeros(len(positions), dtype=np.bool_)
+        if name not in self._solids:
+            return inside
+        character, triangles = self._level.character, self._solids[name].triangles
+        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+        for height in (character.radius_m, character.height_m / 2):
+            body = positions + np.array([0.0, 0.0, height])
+            near = np.flatnonzero(((body >= low) & (body <= high)).all(axis=1))
+            if len(near):
+                inside[near] |= inside_closed_surface(body[near], triangles)
+        return inside
+
+    def _in_zone(self, name: str | None, positions: Floats) -> Bools:
+        if name not in self._zones:
+            return np.zeros(len(positions), dtype=np.bool_)
+        zone = self._zones[name]
+        return np.asarray(((positions >= zone.low) & (positions <= zone.high)).all(axis=1), dtype=np.bool_)

@@ -1,0 +1,242 @@
+"""Probes: directed attempts to get out of regions that nothing found leads out of. What none leaves is a pocket.
+
+Shape legend: B lanes, T agent steps of an episode, P cached points, N places of the transition graph, n chosen ones.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from reachtest.explore.actions import JUMP_SHARE, action_stream, heading_of, start_generator
+from reachtest.explore.regions import Region, Survey, Surveyor
+from reachtest.explore.replay import Replayer
+from reachtest.explore.rollout import Trajectories, roll_out
+from reachtest.explore.transitions import UNKNOWN, Transitions, footholds
+from reachtest.interfaces import Simulator
+from reachtest.records import Bools, EndReason, Fall, Floats, Ints, Level, Origin, Pocket, Points
+
+ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
+ATTEMPTS_A_PLACE = 4  # more for every cell of it: a hall has many doors
+BORDER = 16  # places of a region nearest to a way back
+NUDGE_M = 0.03  # more than a jammed contact needs, less than any ledge
+SWEEPS = 6  # rounds of an episode from every trap first: most were merely found last
+LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUMPS
+CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
+JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
+STEPS_SHARE = 0.25  # of the run's agent steps at most are probes
+LEAST_STEPS = 100_000  # but enough for a few regions after a short run
+
+
+@dataclass(frozen=True)
+class Probed:
+    """What the probes found and cost."""
+
+    pockets: tuple[Pocket, ...]
+    episodes: int
+    steps: int  # [agent steps]
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """The evidence of one episode."""
+
+    cells: Ints  # packed cells of side K that it passed through
+    reach_m: float
+
+
+@dataclass(frozen=True)
+class _Front:
+    """Where the lanes are: states, and where they stood last."""
+
+    states: Floats  # [n, S]
+    footings: Floats  # [n, 3]
+    keys: Ints  # [n] of the cells they stood in last
+
+
+class Prober:
+    """Probes the regions of one exploration; enters what it finds into its transitions."""
+
+    def __init__(
+        self,
+        level: Level,
+        simulator: Simulator,
+        transitions: Transitions,
+        replayer: Replayer,
+        seed: int,
+        first_round: int,
+    ) -> None:
+        """`first_round` is the first that is not the exploration's: probes have streams of their own."""
+        self._level, self._simulator, self._transitions = level, simulator, transitions
+        self._replayer, self._seed, self._round = replayer, seed, first_round
+        self._budget = max(LEAST_STEPS, int(STEPS_SHARE * level.explore.steps))
+        self._episodes = self._steps = 0
+        self._attempts: list[_Attempt] = []
+        self._began: list[int] = []  # key of the cell where each attempt began
+
+    def run(self, points: Points) -> Probed:
+        """The pockets, with the cached points in them."""
+        surveyor = Surveyor(self._level)
+        survey = surveyor.survey(self._transitions.graph())
+        few = self._simulator.agents // LANES_A_REGION
+        for _ in range(SWEEPS):
+            if len(survey.regions) <= few or self._steps >= self._budget:
+                break
+            self._sweep(survey)
+            survey = surveyor.survey(self._transitions.graph(), survey.suspects)
+        while self._steps < self._budget and (
+            open_ := [r for r in survey.regions if not self._done(survey, r)]
+        ):
+            self._besiege(survey, open_[: max(1, few)])
+            survey = surveyor.survey(self._transitions.graph(), survey.suspects)
+        pockets = [
+            self._pocket(survey, region, points) for region in survey.regions if self._done(survey, region)
+        ]
+        return Probed(tuple(pockets), self._episodes, self._steps)
+
+    # --- probing ----------------------------------------------------------------------------------
+
+    def _sweep(self, survey: Survey) -> None:
+        """An episode or more from every region, towards the nearest place that leads back."""
+        rng, agents = start_generator(self._seed, self._round), self._simulator.agents
+        often = max(1, agents // len(survey.regions))
+        rows = np.array([rng.choice(self._known(survey, region)) for region in survey.regions * often])
+        for begin in range(0, len(rows), agents):
+            front = self._front(survey, rows[begin : begin + agents])
+            jumps = np.array(JUMPS)[rng.integers(1, len(JUMPS), len(front.states))]
+            self._probe(front, self._back(survey, front), jumps)
+
+    def _besiege(self, survey: Survey, regions: list[Region]) -> None:
+        """Episodes from all over the regions in all directions, and on from where they ended."""
+        rng = start_generator(self._seed, self._round)
+        each = max(1, self._simulator.agents // len(regions))
+        rows = np.concatenate([self._starts(rng, survey, region, each) for region in regions])
+        number = np.arange(len(rows)) % each
+        jumps = np.array(JUMPS)[number // 8 % len(JUMPS)]
+        front = self._nudged(rng, self._front(survey, rows), number // 8 % 2 == 1)
+        for episode in range(CHAIN):
+            around = (number + episode) % 8 + 1
+            headings = self._back(survey, front) if episode % 2 else around
+            front = self._probe(front, headings, jumps)
+
+    def _starts(self, rng: np.random.Generator, survey: Survey, region: Region, count: int) -> Ints:
+        """Where to start from: where one ends up; on the way there, which may fork; where a way back is near."""
+        places = survey.graph.places
+        known = region.rows[survey.graph.origins[region.rows, 0] != UNKNOWN]
+        core, any_ = rng.choice(self._known(survey, region), count), rng.choice(known, count)
+        away = np.linalg.norm(places[known] - self._way_back(survey, places[known]), axis=1)
+        border = rng.choice(known[np.argsort(away, kind="stable")[: max(BORDER, len(known) // 8)]], count)
+        return np.choose(np.arange(count) // 16 % 4, [core, border, core if region.stuck else border, any_])
+
+    def _known(self, survey: Survey, region: Region) -> Ints:
+        """The places of a region that the exploration got to itself: where one ends up, if possible."""
+        known = survey.graph.origins[:, 0] != UNKNOWN
+        core = region.core[known[region.core]]
+        return core if len(core) else region.rows[known[region.rows]]
+
+    def _front(self, survey: Survey, rows: Ints) -> _Front:
+        """The characters as they were at places `rows` [n]: simulated again, bit for bit."""
+        origins = [Origin(*row) for row in survey.graph.origins[rows].tolist()]
+        graph = survey.graph
+        return _Front(self._replayer.states_at(origins), graph.places[rows], graph.keys[rows])
+
+    def _nudged(self, rng: np.random.Generator, front: _Front, chosen: Bools) -> _Front:
+        """The chosen characters [n] a little beside where they were: what only holds to the millimetre is no trap."""
+        nudge = rng.uniform(-NUDGE_M, NUDGE_M, (len(chosen), 3))
+        nudge[:, 2] = np.abs(nudge[:, 2])
+        states = front.states.copy()
+        states[chosen, :3] += nudge[chosen]
+        return _Front(states, front.footings, front.keys)
+
+    def _probe(self, front: _Front, headings: Ints, jumps: Floats) -> _Front:
+        """One episode of each lane; where they are then."""
+        count, steps = len(front.states), self._level.explore.reset_interval
+        streams = np.zeros((steps, self._simulator.agents, 2), dtype=np.int8)
+        for lane, way in enumerate(zip(headings.tolist(), jumps.tolist(), strict=True)):
+            streams[:, lane] = action_stream(self._seed, self._round, lane, steps, *way)
+        every = np.resize(np.arange(count), self._simulator.agents)  # who has no lane stands still in a copy
+        rolled = _first(roll_out(self._simulator, front.states[every][None], streams), count)
+        self._transitions.add(rolled, front.footings[None])
+        self._round, self._episodes, self._steps = (
+            self._round + 1,
+            self._episodes + count,
+            self._steps + count * steps,
+        )
+        self._began += front.keys.tolist()
+        self._attempts += [
+            self._note(rolled.positions[:, lane], front.footings[lane]) for lane in range(count)
+        ]
+        alive = (rolled.ended[-1] == EndReason.ALIVE)[:, None]
+        states = np.where(alive, rolled.states[-1], front.states)
+        footings = np.where(alive, _last_footing(rolled, front.footings), front.footings)
+        same = (footings == front.footings).all(axis=1)
+        return _Front(states, footings, np.where(same, front.keys, self._transitions.cells(footings)))
+
+    def _note(self, positions: Floats, start: Floats) -> _Attempt:
+        passed = positions[np.isfinite(positions[:, 0])]
+        away = np.linalg.norm(passed - start, axis=1)
+        cells = np.unique(_pack(np.floor(passed / self._level.explore.threshold_m)))
+        return _Attempt(cells, float(away.max(initial=0.0)))
+
+    def _back(self, survey: Survey, front: _Front) -> Ints:
+        """The headings [n] to the nearest place that leads back."""
+        return heading_of(self._way_back(survey, front.footings) - front.footings)
+
+    def _way_back(self, survey: Survey, places: Floats) -> Floats:
+        """The place that leads back nearest to each of `places` [n, 3]."""
+        known = survey.graph.places[survey.back & ~survey.graph.is_out]
+        return known[cKDTree(known).query(places)[1]] if len(known) else places
+
+    # --- what is left -----------------------------------------------------------------------------
+
+    def _of(self, survey: Survey, region: Region) -> Ints:
+        """The attempts that began in a region."""
+        return np.flatnonzero(np.isin(self._began, survey.graph.keys[region.rows]))
+
+    def _done(self, survey: Survey, region: Region) -> bool:
+        return len(self._of(survey, region)) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
+
+    def _pocket(self, survey: Survey, region: Region, points: Points) -> Pocket:
+        attempts, graph = [self._attempts[i] for i in self._of(survey, region)], survey.graph
+        cells = np.unique(np.concatenate([attempt.cells for attempt in attempts]))
+        inside = np.isin(self._transitions.cells(points.positions), graph.keys[region.core])
+        arrival = int(self._known(survey, region)[0])
+        origin = Origin(*graph.origins[arrival].tolist())
+        if origin.step == origin.start and origin.parent >= 0:  # it began there: see how that point was got to
+            origin = points.origin(origin.parent)
+        position = self._replayer.states_at([origin])[0, :3]
+        return Pocket(
+            cells=graph.places[region.rows],
+            points=np.flatnonzero(inside & points.grounded),
+            arrival=Fall(origin, position, graph.places[arrival], np.full(3, np.nan)),
+            stuck=region.stuck,
+            attempts=len(attempts),
+            sim_time_s=len(attempts) * self._level.explore.reset_interval * self._simulator.step_s,
+            volume_m3=len(cells) * self._level.explore.threshold_m**3,
+            reach_m=max(attempt.reach_m for attempt in attempts),
+        )
+
+
+def _first(rolled: Trajectories, lanes: int) -> Trajectories:
+    """The first lanes only."""
+    return Trajectories(**{name: array[:, :lanes] for name, array in vars(rolled).items()})
+
+
+def _last_footing(rolled: Trajectories, footings: Floats) -> Floats:
+    """Where each lane [B] stood or lay last in the episode under way, else where it began."""
+    result, held = footings.copy(), footholds(rolled)
+    for lane in range(len(result)):
+        places = held[int(rolled.start[-1, lane]) :, lane]
+        places = places[np.isfinite(places[:, 0])]
+        if len(places):
+            result[lane] = places[-1]
+    return result
+
+
+def _pack(cells: Floats) -> NDArray[np.int64]:
+    """Cells [n, 3] as one integer each."""
+    whole = cells.astype(np.int64) + (1 << 20)
+    return np.asarray((whole[:, 0] << 42) | (whole[:, 1] << 21) | whole[:, 2], dtype=np.int64)

@@ -1,0 +1,151 @@
+"""Regions that nothing found leads out of: small ones hold the character, large ones do not lead back to a spawn.
+
+Shape legend: N places of the transition graph, T trapped ones among them, S spawns.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from reachtest.explore.transitions import Graph
+from reachtest.navmesh.islands import island_of, islands
+from reachtest.records import Bools, Floats, Ints, Level
+
+STUCK_M = 4.0  # a trap that is no wider holds the character: 3 m and what two cells add to it
+SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has one at every metre
+STAND_M = 0.35  # a spawn stands so near its ground
+WAYS, STRONGLY = "weak", "strong"
+
+
+@dataclass(frozen=True)
+class Region:
+    """Places without a known way out."""
+
+    rows: Ints  # [n] rows of the graph
+    core: Ints  # [m] those of them where one ends up
+    stuck: bool
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What the transitions say as they stand."""
+
+    graph: Graph
+    back: Bools  # [N] places that lead back to a spawn, or out of the world
+    suspects: Ints  # keys of the places that do not, and that the exploration got to itself
+    regions: list[Region]  # largest first
+
+
+class Surveyor:
+    """Surveys transition graphs of one level."""
+
+    def __init__(self, level: Level) -> None:
+        self._level = level
+        self._spawns = np.array([spawn.position for spawn in level.spawns])
+        self._labels: Ints | None = None
+
+    def survey(self, graph: Graph, suspects: Ints | None = None) -> Survey:
+        """Regions of the transitions as they stand; if given, only those with some of `suspects` (keys).
+
+        Every episode ends somewhere, often where none was before: what a probe finds on its way is no suspect.
+        To fall out of the world is a way back: it is a finding of its own, and games put who fell back to a spawn.
+        """
+        back = graph.leads_to(graph.is_out | self._homes(graph))
+        suspected = ~back if suspects is None else ~back & np.isin(graph.keys, suspects)
+        trapped = np.flatnonzero(graph.led_to_from(suspected))
+        keys = graph.keys[suspected]
+        if not len(trapped):
+            return Survey(graph, back, keys, [])
+        label = _components(graph, trapped, STRONGLY)
+        wide = np.zeros(len(back), dtype=np.bool_)
+        wide[trapped] = _widths(graph.places[trapped], label)[label] > STUCK_M
+        to_wide = graph.leads_to(wide)
+        tight, lost = trapped[~to_wide[trapped]], trapped[to_wide[trapped]]
+        lost = lost[~self._on_home_islands(graph, lost)] if len(lost) else lost
+        ends = np.zeros(len(back), dtype=np.bool_)
+        ends[trapped] = np.isin(label, _sinks(graph, trapped, label))
+        regions = [Region(rows, rows[ends[rows]], True) for rows in _near_each_other(graph, tight)]
+        regions += [Region(rows, rows[wide[rows]], False) for rows in _connected(graph, lost)]
+        regions = [region for region in regions if suspected[region.rows].any()]
+        regions.sort(key=lambda region: (-len(region.rows), int(region.rows[0])))
+        return Survey(graph, back, keys, regions)
+
+    def _homes(self, graph: Graph) -> Bools:
+        """The places [N] where the spawns stand; below them if they hang in the air."""
+        homes = np.zeros(len(graph.keys), dtype=np.bool_)
+        away = graph.places[:, None] - self._spawns[None]  # [N, S, 3]
+        near = (np.abs(away[:, :, :2]) <= 1.0).all(axis=2)
+        for spawn in range(len(self._spawns)):
+            height = np.where(near[:, spawn], away[:, spawn, 2], np.nan)
+            here = np.abs(height) <= STAND_M
+            below = np.where(height <= STAND_M, height, -np.inf)
+            homes |= here if here.any() else np.isfinite(below) & (below >= below.max() - STAND_M)
+        return homes
+
+    def _on_home_islands(self, graph: Graph, trapped: Ints) -> Bools:
+        """Which of the places `trapped` [T] lead to the nav-mesh island of a spawn."""
+        navmesh = self._level.navmesh
+        if self._labels is None:
+            self._labels = islands(navmesh)
+        homes = np.setdiff1d(island_of(navmesh, self._labels, self._spawns), -1)
+        on = np.zeros(len(graph.keys), dtype=np.bool_)
+        on[trapped] = np.isin(island_of(navmesh, self._labels, graph.places[trapped]), homes)
+        return graph.leads_to(on)[trapped]
+
+
+def _connected(graph: Graph, rows: Ints) -> list[Ints]:
+    """Parts of `rows` that are connected by transitions, whichever way."""
+    return _groups(rows, _components(graph, rows, WAYS)) if len(rows) else []
+
+
+def _near_each_other(graph: Graph, rows: Ints) -> list[Ints]:
+    """Parts of `rows` that are connected by transitions or near each other."""
+    if not len(rows):
+        return []
+    near = cKDTree(graph.places[rows]).query_pairs(SAME_TRAP_M, output_type="ndarray")
+    pairs = np.concatenate([_inner(graph, rows), near])
+    return _groups(rows, _labels(len(rows), pairs, WAYS))
+
+
+def _groups(rows: Ints, label: Ints) -> list[Ints]:
+    return [rows[label == i] for i in range(label.max() + 1)]
+
+
+def _components(graph: Graph, rows: Ints, connection: str) -> Ints:
+    """Label [n] of each of `rows` by the transitions between them."""
+    return _labels(len(rows), _inner(graph, rows), connection)
+
+
+def _labels(count: int, pairs: Ints, connection: str) -> Ints:
+    ones = np.ones(len(pairs), dtype=np.int8)
+    graph = csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    label = connected_components(graph, directed=connection == STRONGLY, connection=connection)[1]
+    return np.asarray(label, dtype=np.int64)
+
+
+def _inner(graph: Graph, rows: Ints) -> Ints:
+    """The transitions [E, 2] between `rows`, as places in `rows`."""
+    place = np.full(len(graph.keys), -1, dtype=np.int64)
+    place[rows] = np.arange(len(rows))
+    inner = place[graph.ends]
+    return inner[(inner >= 0).all(axis=1)]
+
+
+def _sinks(graph: Graph, rows: Ints, label: Ints) -> Ints:
+    """The components that lead to no other. What leads out of `rows` would lead back: there is no such place."""
+    inner = label[_inner(graph, rows)]
+    leaving = inner[inner[:, 0] != inner[:, 1], 0]
+    return np.setdiff1d(np.arange(label.max() + 1), leaving)
+
+
+def _widths(places: Floats, label: Ints) -> Floats:
+    """Horizontal diagonal of the box around the places [n, 3] of each label [m] [m]."""
+    low, high = np.full((label.max() + 1, 2), np.inf), np.full((label.max() + 1, 2), -np.inf)
+    np.minimum.at(low, label, places[:, :2])
+    np.maximum.at(high, label, places[:, :2])
+    return np.asarray(np.linalg.norm(high - low, axis=1))

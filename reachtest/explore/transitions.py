@@ -1,0 +1,188 @@
+"""Transitions: between which places the episodes went, so that it is known from where nothing leads back.
+
+Places are cells the character *stood* in (or came to rest in: a wedge gives no footing); a flight is one transition
+from where it left the ground to where it landed. Cells in the air would join the bottom of a pit to its rim.
+
+Shape legend: B lanes, T agent steps of a round, N places, E transitions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import breadth_first_order
+
+from reachtest.explore.rollout import Trajectories
+from reachtest.records import Bools, EndReason, Floats, Ints
+
+UNKNOWN = np.iinfo(np.int32).min
+OUT = 0  # the key of the place outside of the world: no cell has it
+FLATTER = (
+    2  # cells are half as high as wide: a ledge just too high to jump onto is another cell than its foot
+)
+_SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
+_OFFSET = 1 << 20
+_REST_M = (
+    0.02  # moved less than this in each of two steps: at rest; the top of a jump is one such step at most
+)
+_TIMES = 3  # of an agent step: before it, in it, at its end
+_GROWTH = 4  # new rows are merged when there are a quarter as many: few merges, little waste
+
+
+@dataclass(frozen=True)
+class Graph:
+    """The transitions as they stand: places by ascending key; the first is OUT."""
+
+    keys: Ints  # [N]
+    places: Floats  # [N, 3] where the character first stood in each
+    origins: NDArray[
+        np.int32
+    ]  # [N, 5] how it got there, as in `Origin`; parent `UNKNOWN` where probes found it
+    ends: Ints  # [E, 2] rows of `keys`: from, to
+
+    def leads_to(self, goals: Bools) -> Bools:
+        """Which places [N] some transitions lead from to one of `goals` [N]."""
+        return _spread(self.ends[:, ::-1], goals)
+
+    def led_to_from(self, starts: Bools) -> Bools:
+        """Which places [N] some transitions lead to from one of `starts` [N]."""
+        return _spread(self.ends, starts)
+
+    @cached_property
+    def is_out(self) -> Bools:
+        """[N]"""
+        return np.asarray(self.keys == OUT, dtype=np.bool_)
+
+
+class Transitions:
+    """Collects the transitions of a run."""
+
+    def __init__(self, cell_m: float) -> None:
+        self._cell = np.array([cell_m, cell_m, cell_m / FLATTER])
+        self._keys: Ints = np.array([OUT], dtype=np.int64)
+        self._places = np.full((1, 3), np.nan, dtype=np.float32)
+        self._origins = np.full((1, 5), UNKNOWN, dtype=np.int32)
+        self._ends: Ints = np.empty((0, 2), dtype=np.int64)
+        # Keys, places, origins and ends of rounds not merged yet.
+        self._fresh: list[tuple[Ints, NDArray[np.float32], NDArray[np.int32], Ints]] = []
+        self._waiting = 0
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of what is stored."""
+        fresh = sum(array.nbytes for rows in self._fresh for array in rows)
+        merged = self._keys.nbytes + self._places.nbytes + self._origins.nbytes + self._ends.nbytes
+        return merged + fresh
+
+    def cells(self, positions: Floats) -> Ints:
+        """The key [n] of the cell of each of `positions` [n, 3]."""
+        cell = np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64) + _OFFSET
+        return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
+
+    def add(
+        self, rolled: Trajectories, footings: Floats, parents: Ints | None = None, round_: int = 0
+    ) -> None:
+        """Enter a round; `footings` [M, B, 3] are where the characters stood last at each of their starts.
+
+        `parents` [M, B] are these starts; None if they are no cached points.
+        """
+        lane, time, episode, places, out = _visits(rolled, footings)
+        order = np.lexsort((time, lane))
+        lane, time, episode, places, out = lane[order], time[order], episode[order], places[order], out[order]
+        keys = np.where(out, OUT, self.cells(np.where(out[:, None], 0.0, places)))
+        step = (episode[1:] == episode[:-1]) & (keys[1:] != keys[:-1])
+        ends = np.stack([keys[:-1][step], keys[1:][step]], axis=1)
+        known, first = np.unique(keys, return_index=True)
+        origins = _origins(rolled, lane[first], time[first], parents, round_)
+        self._fresh.append((known, places[first].astype(np.float32), origins, _distinct(ends)))
+        self._waiting += len(ends)
+        if self._waiting * _GROWTH > len(self._ends):
+            self._merge()
+
+    def graph(self) -> Graph:
+        """Everything so far."""
+        self._merge()
+        ends = np.searchsorted(self._keys, self._ends)
+        return Graph(self._keys, self._places.astype(np.float64), self._origins, ends)
+
+    def _merge(self) -> None:
+        keys = np.concatenate([self._keys, *(rows[0] for rows in self._fresh)])
+        places = np.concatenate([self._places, *(rows[1] for rows in self._fresh)])
+        origins = np.concatenate([self._origins, *(rows[2] for rows in self._fresh)])
+        self._keys, first = np.unique(keys, return_index=True)  # the earliest of equals
+        self._places, self._origins = places[first], origins[first]
+        self._ends = _distinct(np.concatenate([self._ends, *(rows[3] for rows in self._fresh)]))
+        self._fresh, self._waiting = [], 0
+
+
+def _spread(ends: Ints, sources: Bools) -> Bools:
+    """What [N] is found from `sources` [N] along `ends` [E, 2], those included."""
+    count, first = len(sources), np.flatnonzero(sources)
+    start = np.concatenate([ends[:, 0], np.full(len(first), count)])  # from one more place to all sources
+    end = np.concatenate([ends[:, 1], first])
+    shape = (count + 1, count + 1)
+    graph = csr_matrix((np.ones(len(start), dtype=np.int8), (start, end)), shape=shape)
+    found = np.zeros(count + 1, dtype=np.bool_)
+    found[breadth_first_order(graph, count, return_predecessors=False)] = True
+    return found[:count]
+
+
+def footholds(rolled: Trajectories) -> Floats:
+    """Where the characters stood or lay still [T, B, 3]; NaN where they did not."""
+    return np.where(np.isfinite(rolled.stood), rolled.stood, _resting(rolled))
+
+
+def _origins(
+    rolled: Trajectories, lane: Ints, time: Ints, parents: Ints | None, round_: int
+) -> NDArray[np.int32]:
+    """How the characters got to where they were in `lane` [n] at `time` [n]: origins [n, 5]."""
+    result = np.full((len(lane), 5), UNKNOWN, dtype=np.int32)
+    if parents is not None:
+        t, step = time // _TIMES, (time + _TIMES - 1) // _TIMES  # before a step: nothing was done yet
+        parent = parents[rolled.which[t, lane], lane]
+        columns = parent, np.full(len(lane), round_), lane, rolled.start[t, lane], step
+        result[:] = np.stack(columns, axis=1)
+    return result
+
+
+def _visits(rolled: Trajectories, footings: Floats) -> tuple[Ints, Ints, Ints, Floats, Bools]:
+    """Lane, time, episode, place and "fell out" of every start, footing and fall of a round, in no order."""
+    steps, lanes = rolled.ended.shape
+    stood = footholds(rolled)
+    began = np.argwhere(rolled.start == np.arange(steps)[:, None])
+    seen = np.argwhere(np.isfinite(stood[:, :, 0]))
+    fell = np.argwhere(rolled.ended == EndReason.FELL)
+    where = np.concatenate([began, seen, fell])
+    time = _TIMES * where[:, 0] + np.repeat([0, 1, 2], [len(began), len(seen), len(fell)])
+    episode = rolled.start[where[:, 0], where[:, 1]].astype(np.int64) * lanes + where[:, 1]
+    places = np.concatenate(
+        [
+            footings[rolled.which[began[:, 0], began[:, 1]], began[:, 1]],
+            stood[seen[:, 0], seen[:, 1]],
+            np.full((len(fell), 3), np.nan),
+        ]
+    )
+    out = np.arange(len(where)) >= len(began) + len(seen)
+    return where[:, 1], time, episode, places, out
+
+
+def _resting(rolled: Trajectories) -> Floats:
+    """Positions [T, B, 3] of characters that do not move although they may not stand; else NaN."""
+    moved = np.full(rolled.ended.shape, np.inf)
+    moved[1:] = np.linalg.norm(rolled.positions[1:] - rolled.positions[:-1], axis=2)
+    moved[rolled.start == np.arange(len(moved))[:, None]] = np.inf
+    still = moved < _REST_M  # NaN is not
+    still[1:] &= still[:-1].copy()
+    return np.where(still[:, :, None], rolled.positions, np.nan)
+
+
+def _distinct(ends: Ints) -> Ints:
+    """The distinct rows of `ends` [E, 2], sorted."""
+    ends = ends[np.lexsort((ends[:, 1], ends[:, 0]))]
+    new = np.ones(len(ends), dtype=np.bool_)
+    new[1:] = (ends[1:] != ends[:-1]).any(axis=1)
+    return ends[new]

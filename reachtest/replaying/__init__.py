@@ -1,0 +1,1 @@
+"""Repeating a run's findings from its output folder: `state` keeps, `repeat` simulates, the rest shows them."""

@@ -1,0 +1,139 @@
+"""Simulates recorded findings again, on the level as it is now."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from reachtest.errors import BadInput, Problem
+from reachtest.explore.outcome import Judge, Outcome
+from reachtest.explore.shorten import pursuits
+from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
+from reachtest.explore.variation import vary
+from reachtest.interfaces import Simulator
+from reachtest.levels import load_level, named_files
+from reachtest.navmesh.allowed import expected_surface
+from reachtest.records import Floats, Level
+from reachtest.replaying.state import KeptFinding, Recording, State, digests, outcome_of, printable
+from reachtest.world import SIMULATORS
+
+ATTEMPTS = 32  # to get there on a changed level: acting on what is seen, and with other actions around
+LANES = 33
+_SEED = 0x2E9
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """What became of one finding."""
+
+    finding: KeptFinding
+    passed: bool
+    note: str  # how, or why not
+    start: Floats | None = None  # [3]
+    positions: Floats | None = None  # [N, 3] of what is shown: it came about, or else the recorded actions
+
+
+def find_level(folder: Path, state: State, given: Path | None) -> Path:
+    """The level file: the given one, or that of the run. Raises BadInput."""
+    if given is not None:
+        return given
+    kept = state.kept.level
+    for path in (Path(kept.file), folder / kept.beside):
+        if path.is_file():
+            return path
+    found = f"the level '{kept.name}' is not at {kept.file} any more"
+    raise BadInput([Problem(str(folder), found, "say where it is: --level LEVEL.yaml")])
+
+
+def load(path: Path, state: State) -> Level:
+    """The level at the time step of the run. Raises BadInput, also for another level."""
+    level, kept = load_level(path), state.kept
+    if printable(level.name) != kept.level.name:
+        found = f"is the level '{level.name}', the replay is of '{kept.level.name}'"
+        raise BadInput([Problem(str(path), found, "give a build of the level that the run was about")])
+    explore = dataclasses.replace(level.explore, physics_hz=kept.physics_hz, action_repeat=kept.action_repeat)
+    return dataclasses.replace(level, explore=explore)
+
+
+def changes(level: Level, state: State) -> list[str]:
+    """What differs from the run: files by name, or the simulator's version; empty if nothing does."""
+    kept = state.kept
+    result = []
+    if level.sha256 != kept.level.sha256:
+        now, before = digests(named_files(level.file)), kept.level.files
+        here, there = level.file.name, Path(kept.level.file).name
+        if here != there and there in before:  # the level file itself goes by another name
+            before = {here if name == there else name: digest for name, digest in before.items()}
+        result += [f"{name} has changed" for name in now if name in before and now[name] != before[name]]
+        result += [f"{name} is new" for name in now if name not in before]
+        result += [f"{name} is not named any more" for name in before if name not in now]
+        result = result or ["a file that one of its files refers to has changed"]
+    if version("mujoco") != kept.mujoco:
+        result.append(f"MuJoCo is {version('mujoco')}, it was {kept.mujoco}")
+    return result
+
+
+def repeat(level: Level, state: State, findings: Sequence[KeptFinding], changed: bool) -> list[Repeated]:
+    """Simulate `findings` again, side by side."""
+    judge = Judge(level, expected_surface(level))
+    known = [
+        (finding, state.recordings[finding.id]) for finding in findings if finding.id in state.recordings
+    ]
+    if not known:
+        return [Repeated(finding, True, "no path to repeat") for finding in findings]
+    simulator = SIMULATORS[state.kept.simulator](level, LANES, 0)
+    size = len(simulator.place(np.zeros((1, 3)))[0])
+    if any(len(recording.state) != size for _, recording in known):
+        found = f"its states are not those of the simulator '{state.kept.simulator}' of this version"
+        raise BadInput([Problem("state/findings.npz", found, "run the level again")])
+    lanes = [Lane(recording.state, recording.actions, len(recording.actions)) for _, recording in known]
+    trials = run_lanes(simulator, lanes)
+    told = {}
+    for (finding, recording), trial in zip(known, trials, strict=True):
+        told[finding.id] = _told(judge, finding, recording, trial, changed)
+        if changed and not told[finding.id].passed:
+            more = [trial, *_others(simulator, recording)]
+            told[finding.id] = _tried(judge, finding, more)
+    return [told.get(finding.id, Repeated(finding, True, "no path to repeat")) for finding in findings]
+
+
+def _told(judge: Judge, finding: KeptFinding, recording: Recording, trial: Trial, changed: bool) -> Repeated:
+    came = judge.step(outcome_of(finding), trial) is not None
+    same = np.array_equal(trial.positions, recording.positions)
+    if changed:
+        note = "still there, by the recorded actions" if came else "not reproduced"
+    else:
+        note = "bit for bit" if came and same else "not reproduced" if not came else "not bit for bit"
+    return Repeated(finding, came and (same or changed), note, trial.start[:3], trial.positions)
+
+
+def _others(simulator: Simulator, recording: Recording) -> list[Trial]:
+    """The recorded way on a level that is not quite the same: followed, and with other actions around."""
+
+    rng = np.random.default_rng(_SEED)
+    steps = len(recording.actions) * 5 // 4 + 8
+    size = len(recording.state)
+    states = np.zeros((len(recording.positions), size))
+    states[:, :3] = recording.positions
+    found = Trial(recording.state, recording.actions, states, recording.positions, False)
+    plans: list[Plan] = [
+        *pursuits(found, ATTEMPTS // 2, steps, rng),
+        *(vary(recording.actions, steps, rng) for _ in range(ATTEMPTS // 2)),
+    ]
+    return run_lanes(simulator, [Lane(recording.state, plan, steps) for plan in plans])
+
+
+def _tried(judge: Judge, finding: KeptFinding, trials: Sequence[Trial]) -> Repeated:
+    outcome: Outcome = outcome_of(finding)
+    steps = [judge.step(outcome, trial) for trial in trials]
+    good = [i for i, step in enumerate(steps) if step is not None]
+    shown = trials[good[0]] if good else trials[0]
+    end = (steps[good[0]] or 0) + 1 if good else len(shown)
+    count = f"{len(good)} of {len(trials)} attempts"
+    note = f"still there, by {count} around the recorded actions" if good else f"not there any more: {count}"
+    return Repeated(finding, bool(good), note, shown.start[:3], shown.positions[:end])

@@ -1,0 +1,152 @@
+"""Confirmed, or not reported as a bug: what half the time step cannot show does not gate; ways get shorter."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reachtest.explore.confirm import Confirmer
+from reachtest.explore.trials import Lane, run_lanes
+from reachtest.geometry import SurfaceIndex
+from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
+from reachtest.world import MujocoSimulator
+from tests.levels import EAST, NORTH, STILL, UNREAL, WEST, box, level
+
+PLATFORM = box([-6, -6, -1], [6, 6, 0])
+NAV = np.array([[[-5, -5, 0], [2, -5, 0], [2, 5, 0]], [[-5, -5, 0], [2, 5, 0], [-5, 5, 0]]], dtype=float)
+SETTINGS = ExploreSettings(agents=4, episodes_at_once=8)
+FAST = replace(UNREAL, walk_speed_mps=18.0, acceleration_mps2=400.0, ground_friction=40.0)
+
+
+def found(where: Level, simulator: MujocoSimulator, script: list[tuple[int, int]], kind: str) -> Finding:
+    """What a character finds that does as `script` says: (stick, for how many steps)."""
+    actions = np.array([[stick, 0] for stick, steps in script for _ in range(steps)], dtype=np.int8)
+    state = simulator.place(where.spawns[0].position[None])[0]
+    (trial,) = run_lanes(simulator, [Lane(state, actions, len(actions))])
+    stood = trial.stood[np.isfinite(trial.stood[:, 0])]
+    path = ReplayPath(
+        start=state[:3],
+        episodes=(),
+        positions=trial.positions,
+        duration_s=len(trial) * simulator.step_s,
+        attempts=1,
+        succeeded=1,
+        state=state,
+        actions=trial.actions,
+        states=trial.states,
+        stood=trial.stood,
+    )
+    return Finding(
+        id="it",
+        kind=kind,
+        severity="error",
+        gating=True,
+        title="It",
+        position=stood[-1],
+        low=stood[-1],
+        high=stood[-1],
+        points=1,
+        exit_point=None,
+        nearest_named=None,
+        first_seen_step=None,
+        path=path,
+        suppressed_by=None,
+    )
+
+
+def confirmed(where: Level, script: list[tuple[int, int]], kind: str) -> tuple[Finding, Finding]:
+    """The finding as it was found, and as it was confirmed."""
+    simulator = MujocoSimulator(where, where.explore.lanes, 1)
+    surface = SurfaceIndex(where.navmesh.triangles, where.explore.expected_within_m)
+    finding = found(where, simulator, script, kind)
+    confirmer = Confirmer(where, simulator, surface, 0, lambda finer, n: MujocoSimulator(finer, n, 1))
+    (again,) = confirmer.confirm([finding])
+    return finding, again
+
+
+def platform(
+    *more: Floats, character: object = UNREAL, spawn: tuple[float, float, float] = (0, 0, 0.02)
+) -> Level:
+    return level(
+        PLATFORM, *more, character=character, explore=SETTINGS, kill_z_m=-12.0, spawn=spawn, navmesh=NAV
+    )
+
+
+def test_an_open_edge_is_confirmed_in_every_way() -> None:
+    _, again = confirmed(platform(), [(EAST, 40)], "fell_out_of_world")
+    assert again.confirmation is not None
+    assert again.confirmation.exact == (2, 2)
+    for attempts, succeeded in (again.confirmation.half_step, again.confirmation.nearby):
+        assert attempts >= 16
+        assert succeeded > attempts / 2
+    assert again.gating
+    assert not again.fragile
+
+
+@pytest.mark.parametrize("walled", [True, False])
+def test_a_wall_that_only_the_coarse_step_passes_is_fragile(walled) -> None:
+    """18 m/s is 0.6 m a tick at 30 Hz, nearly as much as a thin wall and the capsule measure together."""
+    hall = [box([-20, -6, -1], [20, 6, 0]), box([-20, -7, 0], [20, -6, 9]), box([-20, 6, 0], [20, 7, 9])]
+    hall += [box([3.0, -6, 0], [3.01, 6, 9])] if walled else []
+    for x in np.arange(-1.0, 0.0, 0.05):
+        where = level(*hall, character=FAST, explore=SETTINGS, spawn=(x, 0.0, 0.02), navmesh=NAV)
+        simulator = MujocoSimulator(where, 1, 1)
+        finding = found(where, simulator, [(EAST, 5), (STILL, 6)], "unexpected_area")
+        if finding.position[0] > 6:
+            break
+    assert finding.position[0] > 6, "no start passes the wall"
+    _, again = confirmed(where, [(EAST, 5), (STILL, 6)], "unexpected_area")
+    assert again.confirmation is not None
+    assert again.confirmation.exact == (2, 2)
+    assert again.confirmation.half_step[0] >= 33
+    assert (again.confirmation.half_step[1] == 0) == walled
+    assert again.fragile == walled
+    assert again.gating == (not walled)
+
+
+def test_a_long_way_round_gets_shorter_and_still_falls_bit_for_bit() -> None:
+    script = [(EAST, 4), (WEST, 4), (NORTH, 4), (WEST, 5), (EAST, 5), (STILL, 10), (EAST, 30)]
+    where = platform()
+    finding, again = confirmed(where, script, "fell_out_of_world")
+    assert finding.path is not None
+    assert again.path is not None
+    assert again.path.found_s == pytest.approx(finding.path.duration_s)
+    assert again.path.duration_s < 0.65 * finding.path.duration_s
+    simulator = MujocoSimulator(where, 1, 1)
+    (trial,) = run_lanes(simulator, [Lane(again.path.state, again.path.actions, len(again.path.actions))])
+    np.testing.assert_array_equal(trial.positions, again.path.positions)
+    assert trial.fell
+
+
+def test_the_same_seed_confirms_the_same_way() -> None:
+    script = [(EAST, 4), (WEST, 4), (EAST, 40)]
+    one, other = (confirmed(platform(), script, "fell_out_of_world")[1] for _ in range(2))
+    assert one.confirmation == other.confirmation
+    np.testing.assert_array_equal(one.path.actions, other.path.actions)
+
+
+def test_a_path_that_does_not_come_out_is_no_bug() -> None:
+    where = platform()
+    simulator = MujocoSimulator(where, where.explore.lanes, 1)
+    surface = SurfaceIndex(where.navmesh.triangles, 3.0)
+    finding = found(where, simulator, [(EAST, 40)], "fell_out_of_world")
+    finding = replace(finding, path=replace(finding.path, succeeded=0))
+    confirmer = Confirmer(where, simulator, surface, 0, lambda finer, n: MujocoSimulator(finer, n, 1))
+    (again,) = confirmer.confirm([finding])
+    assert again.fragile
+    assert not again.gating
+
+
+def test_what_has_no_path_stays_as_it_is_and_gating_ones_come_first() -> None:
+    where = platform()
+    simulator = MujocoSimulator(where, where.explore.lanes, 1)
+    surface = SurfaceIndex(where.navmesh.triangles, 3.0)
+    walked = found(where, simulator, [(EAST, 40)], "fell_out_of_world")
+    pathless = replace(walked, id="other", path=None, gating=False)
+    confirmer = Confirmer(where, simulator, surface, 0, lambda finer, n: MujocoSimulator(finer, n, 1))
+    first, second = confirmer.confirm([pathless, walked])
+    assert (first.id, second.id) == ("it", "other")
+    assert second is pathless
+    assert confirmer.confirm([pathless]) == (pathless,)

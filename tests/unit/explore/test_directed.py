@@ -1,0 +1,108 @@
+"""Acting on purpose: headings, whose turn it is, and what counts as an attempt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from reachtest.explore.actions import action_stream, heading_of
+from reachtest.explore.aim import BORDER_M, Aims
+from reachtest.explore.cache import PositionCache
+from reachtest.explore.goals import GoalSet
+from reachtest.records import Candidates
+from tests.unit.explore.walker import Run
+
+DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4])
+
+
+@pytest.mark.parametrize("heading", range(1, 9))
+def test_a_heading_carries_that_way_and_still_gets_around_corners(heading: int) -> None:
+    stream = np.concatenate([action_stream(0, r, 0, 32, heading) for r in range(200)])
+    moves = np.concatenate([[[0.0, 0.0]], DIRECTIONS])[stream[:, 0]]
+    assert (moves.mean(axis=0) @ DIRECTIONS[heading - 1]) > 0.5
+    assert set(stream[:, 0]) == set(range(9))  # no direction is ruled out
+    assert heading_of(DIRECTIONS[heading - 1][None])[0] == heading
+
+
+def test_a_directed_stream_is_its_own_and_the_others_stay_as_they_were() -> None:
+    plain = action_stream(3, 2, 1, 64)
+    np.testing.assert_array_equal(plain, action_stream(3, 2, 1, 64, 0))
+    directed = action_stream(3, 2, 1, 64, 5)
+    np.testing.assert_array_equal(directed, action_stream(3, 2, 1, 64, 5))
+    assert not np.array_equal(plain, directed)
+    assert action_stream(3, 2, 1, 400, 5, jump_share=0.0)[:, 1].sum() == 0
+
+
+def cached(*positions) -> tuple[PositionCache, Candidates]:
+    cache = PositionCache(1.0)
+    cache.insert(np.array(positions, dtype=float))
+    n = len(cache)
+    ones = np.ones(n, dtype=np.int64)
+    return cache, Candidates(ones, np.ones(n), np.zeros(n), 3.0, np.ones(n, dtype=bool))
+
+
+def aims(goals, worth=None) -> tuple[Aims, GoalSet]:
+    places = np.array(goals, dtype=float)
+    all_goals = GoalSet(places, np.ones(len(places)))
+    return Aims(all_goals, np.ones(len(places), bool) if worth is None else np.array(worth), 4.0), all_goals
+
+
+def test_every_open_part_gets_its_share_however_large_it_is() -> None:
+    large = [[x, 20, 0] for x in range(0, 60, 4)]
+    aim, _ = aims([*large, [0, -20, 0]])
+    cache, candidates = cached(*[[x, 17, 0] for x in range(0, 60, 4)], [0, -17, 0])
+    for seed in range(4):
+        drawn = aim.draw(np.random.default_rng(seed), 8, cache, candidates)
+    assert aim.attempts[:-1].sum() == aim.attempts[-1] == 16
+    assert drawn is not None
+    ahead = drawn.goals < len(large)
+    assert set(drawn.headings[ahead]) <= {1, 2, 3, 4, 5}  # north, give or take
+    assert set(drawn.headings[~ahead]) == {7}
+
+
+def test_attempts_are_made_from_the_border_and_begin_anew_when_it_moves() -> None:
+    aim, goals = aims([[4, 0, 0], [8, 0, 0], [30, 0, 0]])
+    cache, candidates = cached([0, 0, 0])
+    aim.draw(np.random.default_rng(0), 6, cache, candidates)
+    assert (aim.attempts[:2] > 0).all()
+    goals.drain(np.array([[4.0, 0, 0]]), np.array([1]))
+    cache, candidates = cached([0, 0, 0], [4, 0, 0])
+    aim.draw(np.random.default_rng(1), 6, cache, candidates)
+    assert aim.attempts[0] == 0  # reached
+    assert aim.attempts[1] == 3  # those from the old border do not count
+    assert aim.border_m[1] == pytest.approx(4.0)
+
+
+def test_attempts_from_afar_are_void_once_there_is_a_nearer_place() -> None:
+    aim, _ = aims([[40, 0, 0]])
+    aim.draw(np.random.default_rng(0), 5, *cached([0, 0, 0]))
+    assert aim.attempts[0] == 5
+    aim.draw(np.random.default_rng(1), 5, *cached([0, 0, 0], [40 - BORDER_M, 0, 0]))
+    assert aim.attempts[0] == 5
+
+
+def test_no_effort_is_wasted_on_what_nobody_should_get_to() -> None:
+    aim, _ = aims([[4, 0, 0], [0, 4, 0]], worth=[False, True])
+    drawn = aim.draw(np.random.default_rng(0), 8, *cached([0, 0, 0]))
+    assert drawn is not None
+    assert set(drawn.goals) == {1}
+    nothing, _ = aims([[4, 0, 0]], worth=[False])
+    assert nothing.draw(np.random.default_rng(0), 8, *cached([0, 0, 0])) is None
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_the_share_of_directed_lanes_is_kept_over_the_rounds(share: float) -> None:
+    run = Run(directed=share, steps=5 * 128 * 12, goal_spacing_m=6.0, goal_radius_m=0.01)
+    directed = (run.result.headings > 0).mean(axis=1)[1:]  # of the first there is nothing to start from
+    assert directed.mean() == pytest.approx(share, abs=0.1)
+    assert run.result.headings.shape == (len(run.records), 5)
+
+
+def test_points_that_directed_lanes_found_are_replayed_bit_for_bit() -> None:
+    run = Run(directed=0.6, goal_radius_m=0.01)
+    points, headings = run.result.points, run.result.headings
+    found = np.flatnonzero(headings[points.round, points.agent] > 0)
+    assert len(found) > 5
+    replayer = run.replayer()
+    for index in found[:: max(1, len(found) // 8)].tolist():
+        assert replayer.path_to_point(index).succeeded == 1

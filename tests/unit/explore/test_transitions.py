@@ -1,0 +1,87 @@
+"""Between which places the episodes went: footings only, a flight is one transition, a fall leads out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reachtest.explore.rollout import Trajectories
+from reachtest.explore.transitions import OUT, Graph, Transitions
+from reachtest.records import EndReason
+
+
+def rolled(*episodes) -> Trajectories:
+    """Lanes of (place, stands) or "fell", a step each; every lane is one episode."""
+    steps, lanes = len(episodes[0]), len(episodes)
+    positions, stood = np.full((2, steps, lanes, 3), np.nan)
+    ended = np.zeros((steps, lanes), dtype=np.int8)
+    start = np.zeros((steps, lanes), dtype=np.int16)
+    for lane, episode in enumerate(episodes):
+        for t, step in enumerate(episode):
+            if step == "fell":
+                ended[t, lane] = EndReason.FELL
+                start[t + 1 :, lane] = t + 1
+                continue
+            place, stands = step
+            positions[t, lane] = place
+            stood[t, lane] = place if stands else np.nan
+    none = np.zeros((steps, lanes), dtype=np.int16)
+    states = np.zeros((steps, lanes, 7))
+    return Trajectories(positions, states, np.isfinite(stood[:, :, 0]), stood, start, none, ended, positions)
+
+
+def graph_of(*rounds) -> tuple[Graph, Transitions]:
+    """Rounds of (trajectories, footings [B, 3])."""
+    transitions = Transitions(1.0)
+    for number, (round_, footings) in enumerate(rounds):
+        parents = np.full((1, len(footings)), -1)
+        transitions.add(round_, np.array([footings], dtype=float), parents, number)
+    return transitions.graph(), transitions
+
+
+def row(transitions: Transitions, graph: Graph, place) -> int:
+    return int(np.searchsorted(graph.keys, transitions.cells(np.array([place], dtype=float))[0]))
+
+
+def test_a_jump_over_a_pit_does_not_lead_into_it() -> None:
+    near, pit, far = [0.5, 0.5, 0.0], [2.5, 0.5, -3.0], [5.5, 0.5, 0.0]
+    jump = rolled([([1.5, 0.5, 0.5], False), ([2.5, 0.5, 0.8], False), (far, True)])
+    fall = rolled([([2.5, 0.5, -1.0], False), (pit, True), (pit, True)])
+    graph, transitions = graph_of((jump, [near]), (fall, [near]))
+    a, b, c = (row(transitions, graph, place) for place in (near, pit, far))
+    assert {tuple(ends) for ends in graph.ends.tolist()} == {(a, b), (a, c)}
+    reach = np.zeros(len(graph.keys), dtype=bool)
+    reach[a] = True
+    assert graph.leads_to(reach).nonzero()[0].tolist() == [a]
+    assert set(graph.led_to_from(reach).nonzero()[0].tolist()) == {a, b, c}
+
+
+def test_who_falls_out_of_the_world_goes_out_and_the_next_episode_starts_where_it_starts() -> None:
+    edge, home = [0.5, 0.5, 0.0], [9.5, 0.5, 0.0]
+    round_ = rolled([([1.5, 0.5, -3.0], False), "fell", ([8.5, 0.5, 0.0], True)])
+    round_.which[2] = 1
+    transitions = Transitions(1.0)
+    transitions.add(round_, np.array([[edge], [home]], dtype=float), np.array([[-1], [-2]]), 4)
+    graph = transitions.graph()
+    a, b, c = (row(transitions, graph, place) for place in (edge, home, [8.5, 0.5, 0.0]))
+    assert {tuple(ends) for ends in graph.ends.tolist()} == {(a, 0), (b, c)}
+    assert graph.keys[0] == OUT
+    assert graph.origins[c].tolist() == [-2, 4, 0, 2, 3]
+
+
+def test_a_place_to_lie_still_in_is_a_place_and_the_top_of_a_jump_is_none() -> None:
+    wedge, top = [3.5, 0.5, -2.0], [0.5, 3.5, 0.9]
+    still = rolled([(wedge, False)] * 4, [([0.5, 3.5, 0.5], False), (top, False), (top, False), ([0.5, 3.5, 0.4], False)])
+    graph, transitions = graph_of((still, [[0.5, 0.5, 0.0], [0.5, 3.5, 0.0]]))
+    found = {tuple(np.round(place, 3)) for place in graph.places[1:].tolist()}
+    assert tuple(wedge) in found
+    assert tuple(top) not in found
+
+
+def test_rounds_add_up_and_the_first_way_to_a_place_is_kept() -> None:
+    places = [[x + 0.5, 0.5, 0.0] for x in range(30)]
+    rounds = [(rolled([(places[i + 1], True)]), [places[i]]) for i in range(29)]
+    graph, transitions = graph_of(*rounds, *rounds)
+    assert len(graph.keys) == 31
+    assert len(graph.ends) == 29
+    assert graph.origins[row(transitions, graph, places[7])].tolist() == [-1, 6, 0, 0, 1]
+    assert transitions.nbytes < 100 * len(graph.keys)
