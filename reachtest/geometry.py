@@ -24,6 +24,11 @@ _SLIVER, _THIN = 1e-12, 1e-5  # height over length: no plane at all; a plane tha
 _ROUNDING_M = 1e-9  # of the bounds: far above that of coordinates, far below any distance that counts
 
 
+def indices(mask: Bools) -> Ints:
+    """Where `mask` [n] is true; `np.flatnonzero` without the way through three wrappers, for loops that call it often."""
+    return np.asarray(mask).nonzero()[0]
+
+
 def triangle_normals(triangles: Floats) -> tuple[Floats, Floats]:
     """Unit normals [F, 3] (right-hand rule; zero where degenerate) and areas [F] [m2]."""
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -79,7 +84,7 @@ def inside_closed_surface(points: Floats, triangles: Floats) -> Bools:
     """
     result = np.zeros(len(points), dtype=np.bool_)
     low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-    candidates = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+    candidates = indices(((points >= low) & (points <= high)).all(axis=1))
     step = max(1, _PAIRS_AT_ONCE // len(triangles))
     for begin in range(0, len(candidates), step):
         chosen = candidates[begin : begin + step]
@@ -153,8 +158,7 @@ class ColumnIndex:
         t = _cross2(self._u[tri], away) * self._inverse[tri]
         z0 = self._triangles[tri, 0, 2]
         z = z0 + s * (self._triangles[tri, 1, 2] - z0) + t * (self._triangles[tri, 2, 2] - z0)
-        low = np.broadcast_to(points[:, 2] - down_m, len(points))[row]
-        high = np.broadcast_to(points[:, 2] + up_m, len(points))[row]
+        low, high = (points[:, 2] - down_m)[row], (points[:, 2] + up_m)[row]
         edge = -1e-9  # so that a point on a shared edge belongs to one of the two at least
         hit = (s >= edge) & (t >= edge) & (s + t <= 1 - edge) & (z >= low) & (z <= high)
         np.maximum.at(found, row[hit], z[hit])
@@ -186,7 +190,7 @@ class SurfaceIndex:
         normal = _sure_normals(triangles)[owner]
         sizes = np.ceil(np.log(np.maximum(radius, _ROUNDING_M)) / _SIZE_STEP).astype(np.int64)
         sizes = np.maximum(sizes, sizes.max() - _SIZES + 1)
-        members = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
+        members = [indices(sizes == size) for size in np.unique(sizes)]
         members.sort(key=len, reverse=True)  # most likely the nearest first: the others have less to measure
         self._groups = [_Pieces(centre[m], radius[m], normal[m], owner[m]) for m in members]
 
@@ -200,7 +204,7 @@ class SurfaceIndex:
     def distance(self, points: Floats) -> Floats:
         """Distance [n] of each point [n, 3] to the surface [m]; infinite beyond the limit."""
         result = np.full(len(points), np.inf)
-        near = np.flatnonzero(((points >= self._low) & (points <= self._high)).all(axis=1))  # false for NaN
+        near = indices(((points >= self._low) & (points <= self._high)).all(axis=1))  # false for NaN
         if (
             len(near) > _POINTS_AT_ONCE
         ):  # neighbours in space one after the other: they share the trees' leaves

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, Ints
 
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
@@ -61,7 +62,7 @@ def read_contacts(sensor: Floats, slope_cos: float, radius_m: float) -> Contacts
     walkable = z >= slope_cos
     length = np.hypot(x, y)
     blocking = (length > LEVEL_NXY) & ~walkable
-    ids = np.flatnonzero(blocking.any(axis=1))
+    ids = indices(blocking.any(axis=1))
     if not len(ids):
         return Contacts(normals, walkable, ids, np.empty((0, sensor.shape[1], 2)))
     solid = blocking[ids] & ~_flush(normals[ids], sensor[ids, :, 1], walkable[ids], radius_m)
@@ -94,7 +95,7 @@ class Controller:
     def plan(self, velocity: Floats, contacts: Contacts, grounded: Bools, stick: Stick) -> Plan:
         """Velocities after the next physics step from the current ones [B, 3] and who stands [B]."""
         uncut = self._walk(velocity[:, :2], stick)
-        flying = np.flatnonzero(~grounded)
+        flying = indices(~grounded)
         if len(flying):
             uncut[flying] = self._drift(velocity[flying, :2], stick.wish[flying])
         cut = uncut
@@ -116,7 +117,7 @@ class Controller:
     def grounded(self, velocity: Floats, contacts: Contacts, before: Bools) -> Bools:
         """Who stands [B]: touches something walkable without moving away from it, or kept touching it."""
         touches: Bools = np.asarray(contacts.walkable.any(axis=1))
-        unsure = np.flatnonzero(touches & ~before)
+        unsure = indices(touches & ~before)
         if len(unsure):
             leaving = (contacts.normals[unsure] * velocity[unsure, None, :]).sum(axis=2)
             touches[unsure] = (contacts.walkable[unsure] & (leaving < LEAVING_MPS)).any(axis=1)

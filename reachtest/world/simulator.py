@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.geometry import ColumnIndex
+from reachtest.geometry import ColumnIndex, indices
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
@@ -96,7 +96,7 @@ class MujocoSimulator:
 
     def step(self, actions: NDArray[np.int8]) -> StepResult:
         """One agent step with `actions` [B, 2]: stick (0 to 8) and jump (0 or 1)."""
-        stick = Stick(STICK_DIRECTIONS[actions[:, 0]], actions[:, 1] > 0, np.flatnonzero(actions[:, 0] == 0))
+        stick = Stick(STICK_DIRECTIONS[actions[:, 0]], actions[:, 1] > 0, indices(actions[:, 0] == 0))
         stood = np.full((self.agents, 3), np.nan)
         for _ in range(self._repeat):
             self._tick(stick)
@@ -154,7 +154,7 @@ class MujocoSimulator:
         than a finer time step (everybody pays) or MuJoCo's speculative contacts (three times the step, and
         jumps come out a tenth too high: measured).
         """
-        ids = np.flatnonzero(velocity[:, 2] * self._dt < -SAFE_DROP_M)
+        ids = indices(velocity[:, 2] * self._dt < -SAFE_DROP_M)
         if not len(ids):
             return
         drop = -velocity[ids, 2] * self._dt
@@ -169,7 +169,7 @@ class MujocoSimulator:
         then both sides push evenly: without this one approach in five got through 5 cm too little.
         """
         second = self._batch.sensor[:, 1]
-        ids = np.flatnonzero((second[:, 1] < -SQUEEZED_M) & (second[:, 0] > 0))
+        ids = indices((second[:, 1] < -SQUEEZED_M) & (second[:, 0] > 0))
         if not len(ids):
             return
         some = self._batch.sensor[ids]
@@ -197,7 +197,7 @@ class MujocoSimulator:
         pressing = flat[:, :, 0] * uncut[:, 0, None] + flat[:, :, 1] * uncut[:, 1, None]
         worst = pressing.argmin(axis=1)
         need = -np.maximum(BLOCKED_COS * np.hypot(uncut[:, 0], uncut[:, 1]), 0.05)
-        chosen = np.flatnonzero(may[contacts.ids] & (pressing.min(axis=1) < need))
+        chosen = indices(may[contacts.ids] & (pressing.min(axis=1) < need))
         if not len(chosen):
             return
         c = self.character
@@ -216,7 +216,7 @@ class MujocoSimulator:
 
     def _snap_down(self, may: Bools) -> None:
         """Keep a walking character on ground that falls away by no more than the step height."""
-        ids = np.flatnonzero(may & (self._velocity[:, 2] < 0.5))
+        ids = indices(may & (self._velocity[:, 2] < 0.5))
         if not len(ids):
             return
         c = self.character

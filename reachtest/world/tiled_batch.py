@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
+from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, Ints
 from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, Template
 from reachtest.world.pieces import pieces_of
@@ -71,7 +72,7 @@ class TiledBatch:
         """
         here, low, high = self.position, self._partition.low[self._tile], self._partition.high[self._tile]
         left: Bools = np.asarray(~((here >= low) & (here < high)).all(axis=1), dtype=np.bool_)
-        ids = np.flatnonzero(left) if only is None else only[left[only]]
+        ids = indices(left) if only is None else only[left[only]]
         if not len(ids):
             return
         self._tile[ids] = self._partition.find(here[ids])
