@@ -24,8 +24,8 @@ _SLIVER, _THIN = 1e-12, 1e-5  # height over length: no plane at all; a plane tha
 _ROUNDING_M = 1e-9  # of the bounds: far above that of coordinates, far below any distance that counts
 
 
-def indices(mask: Bools) -> Ints:
-    """Where `mask` [n] is true; `np.flatnonzero` without the way through three wrappers, for loops that call it often."""
+def indices(mask: Bools | np.bool_) -> Ints:
+    """Where `mask` [n] is true: `np.flatnonzero` without its three wrappers, for loops that call it often."""
     return np.asarray(mask).nonzero()[0]
 
 

@@ -170,7 +170,7 @@ class ExploreSettings:
     expected_within_m: float = 3.0
     directed: float = 0.25  # share of the lanes that push towards an open goal on purpose
     effort: int = 64  # directed attempts from its border before a part of the nav-mesh is called unreached
-    stop_when_done: bool = False  # stop once everything is reached and `gate.max_discovery_probability` is met
+    stop_when_done: bool = False  # once everything is reached and `gate.max_discovery_probability` is met
 
     @property
     def lanes(self) -> int:
@@ -374,15 +374,24 @@ class RiskSample:
         """Between what numbers the cells lie that are likely to be seen after ten times the episodes.
 
         One is Chao2, usually the lower. The other takes Q1 to stay what it is, though it falls once most is seen:
-        then episode u finds Q1 / u new cells, which adds up to Q1 ln 10.
+        then episode u finds Q1 / u new cells, which adds up to Q1 ln 10; with two standard deviations of a count.
         """
-        steady = self.cells_total + self.cells_once * math.log(10)
+        once = self.cells_once + 2 * math.sqrt(self.cells_once)
+        steady = self.cells_total + once * math.log(10)
         return min(self.estimated_cells_total, steady), max(self.estimated_cells_total, steady)
 
     @property
     def recent_share(self) -> float | None:
         """Share of the latest episodes that found a new cell; None before the first."""
         return self.recent_discovering / self.recent_episodes if self.recent_episodes else None
+
+    @property
+    def risk(self) -> float:
+        """What the gate goes by: the bound, or what the latest episodes did find where that is more.
+
+        Go-Explore goes back to where few have been, so that Q1 is used up faster than by random sampling.
+        """
+        return max(self.discovery_probability, self.recent_share or 0.0)
 
 
 @dataclass(frozen=True)
@@ -425,6 +434,11 @@ class Exploration:
     def estimated_cells_total(self) -> float:
         """Lower bound on the cells that exist: see `RiskSample`."""
         return self._at_the_end.estimated_cells_total
+
+    @property
+    def risk(self) -> float:
+        """What the gate goes by: see `RiskSample`."""
+        return max([self.discovery_probability, *(sample.risk for sample in self.risk_curve[-1:])])
 
     @property
     def _at_the_end(self) -> RiskSample:

@@ -6,19 +6,20 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 from reachtest import pipeline
+from reachtest.errors import BadInput, Problem
 from reachtest.explore.goals import sample_goals
 from reachtest.mutants.decide import Change
 from reachtest.mutants.detect import found_by, unreached_in
 from reachtest.mutants.ground import Ground, survey_ground
 from reachtest.mutants.plant import KINDS, plant
 from reachtest.mutants.records import Planted
-from reachtest.records import Report
+from reachtest.records import Level, Report
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,19 @@ class Recall:
         steps = [m.first_seen_step for m in some if m.found and m.first_seen_step is not None]
         found = sum(mutant.found is not None for mutant in some)
         return len(some), found, sum(m.noticed for m in some), int(median(steps)) if steps else None
+
+
+def chosen_kinds(names: str | None) -> tuple[str, ...]:
+    """The kinds that a list by commas names, in its order; all for none. Raises BadInput."""
+    if names is None:
+        return tuple(KINDS)
+    chosen = tuple(dict.fromkeys(name.strip() for name in names.split(",") if name.strip()))
+    unknown = [name for name in chosen if name not in KINDS]
+    if unknown or not chosen:
+        remedy = f"known kinds are {', '.join(KINDS)}"
+        found = [f"'{name}' is no kind of mutant" for name in unknown] or ["no kind is named"]
+        raise BadInput([Problem("command line: --kinds", text, remedy) for text in found])
+    return chosen
 
 
 def measure_recall(
@@ -116,11 +130,9 @@ def _try(planted: Planted, change: Change, without: Report, options: pipeline.Ru
     )
 
 
-def _run(level: Any, options: pipeline.RunOptions) -> Report:
-    import dataclasses
-
+def _run(level: Level, options: pipeline.RunOptions) -> Report:
     with tempfile.TemporaryDirectory(prefix="reachtest-") as folder:
-        report, _ = pipeline.run(level, dataclasses.replace(options, out=Path(folder)))
+        report, _ = pipeline.run(level, replace(options, out=Path(folder)))
     return report
 
 

@@ -62,10 +62,13 @@ def mutants(
     steps: Annotated[
         int | None, typer.Option(min=1, help="Agent steps a mutant. [default: the level's own]")
     ] = None,
+    kinds: Annotated[
+        str | None, typer.Option(help="Kinds of bugs, by commas: hole, missing wall, ... [default: all]")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")] = False,
 ) -> None:
     """How good the tester is on a level: plants bugs in it, one at a time, and counts which are found."""
-    from reachtest.bench.mutants import as_data, as_markdown, measure_recall
+    from reachtest.bench.mutants import as_data, as_markdown, chosen_kinds, measure_recall
 
-    recall = measure_recall(level, count, seed, steps)
+    recall = measure_recall(level, count, seed, steps, chosen_kinds(kinds))
     print(json.dumps(as_data(recall)) if as_json else as_markdown(recall))

@@ -205,7 +205,9 @@ class Prober:
         inside = np.isin(self._transitions.cells(points.positions), graph.keys[region.core])
         arrival = int(self._known(survey, region)[0])
         origin = Origin(*graph.origins[arrival].tolist())
-        if origin.step == origin.start and origin.parent >= 0:  # it began there: see how that point was got to
+        if (
+            origin.step == origin.start and origin.parent >= 0
+        ):  # it began there: see how that point was got to
             origin = points.origin(origin.parent)
         position = self._replayer.states_at([origin])[0, :3]
         return Pocket(

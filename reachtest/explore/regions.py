@@ -6,6 +6,7 @@ Shape legend: N places of the transition graph, T trapped ones among them, S spa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -18,8 +19,11 @@ from reachtest.records import Bools, Floats, Ints, Level
 
 STUCK_M = 4.0  # a trap that is no wider holds the character: 3 m and what two cells add to it
 SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has one at every metre
+BESIDE_M = 1.0  # a cell or so beside a spawn is at the spawn
 STAND_M = 0.35  # a spawn stands so near its ground
-WAYS, STRONGLY = "weak", "strong"
+Connection = Literal["weak", "strong"]
+WAYS: Connection = "weak"
+STRONGLY: Connection = "strong"
 
 
 @dataclass(frozen=True)
@@ -78,10 +82,9 @@ class Surveyor:
     def _homes(self, graph: Graph) -> Bools:
         """The places [N] where the spawns stand; below them if they hang in the air."""
         homes = np.zeros(len(graph.keys), dtype=np.bool_)
-        away = graph.places[:, None] - self._spawns[None]  # [N, S, 3]
-        near = (np.abs(away[:, :, :2]) <= 1.0).all(axis=2)
-        for spawn in range(len(self._spawns)):
-            height = np.where(near[:, spawn], away[:, spawn, 2], np.nan)
+        for spawn in self._spawns:
+            away = graph.places - spawn
+            height = np.where((np.abs(away[:, :2]) <= BESIDE_M).all(axis=1), away[:, 2], np.nan)
             here = np.abs(height) <= STAND_M
             below = np.where(height <= STAND_M, height, -np.inf)
             homes |= here if here.any() else np.isfinite(below) & (below >= below.max() - STAND_M)
@@ -113,15 +116,16 @@ def _near_each_other(graph: Graph, rows: Ints) -> list[Ints]:
 
 
 def _groups(rows: Ints, label: Ints) -> list[Ints]:
-    return [rows[label == i] for i in range(label.max() + 1)]
+    order = np.argsort(label, kind="stable")
+    return np.split(rows[order], np.flatnonzero(np.diff(label[order])) + 1)
 
 
-def _components(graph: Graph, rows: Ints, connection: str) -> Ints:
+def _components(graph: Graph, rows: Ints, connection: Connection) -> Ints:
     """Label [n] of each of `rows` by the transitions between them."""
     return _labels(len(rows), _inner(graph, rows), connection)
 
 
-def _labels(count: int, pairs: Ints, connection: str) -> Ints:
+def _labels(count: int, pairs: Ints, connection: Connection) -> Ints:
     ones = np.ones(len(pairs), dtype=np.int8)
     graph = csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     label = connected_components(graph, directed=connection == STRONGLY, connection=connection)[1]

@@ -65,4 +65,4 @@ def is_done(gate: GateSettings, reached_step: Ints, wanted: Bools, latest: RiskS
     limit = gate.max_discovery_probability
     if limit is None or (reached_step[wanted] < 0).any():
         return False
-    return latest.discovery_probability <= limit
+    return latest.risk <= limit

@@ -59,7 +59,7 @@ def _missing(gate: GateSettings, exploration: Exploration, counts: Bools | None)
             f" {gate.min_goals_reached:.0%}"
         )
     missing += lacking(exploration, everything if counts is None else counts, too_few)
-    chance = exploration.discovery_probability
+    chance = exploration.risk
     limit = gate.max_discovery_probability
     if limit is not None and chance > limit:
         missing.append(

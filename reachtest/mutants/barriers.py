@@ -6,6 +6,8 @@ import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reachtest.mutants.boxes import Box
@@ -14,6 +16,7 @@ from reachtest.mutants.flood import spawn_places
 from reachtest.mutants.ground import Ground
 from reachtest.mutants.moves import aside
 from reachtest.mutants.records import Mutant, Planted
+from reachtest.navmesh.columns import ragged
 from reachtest.records import Bools, Floats, Ints
 
 _WIDEST_M = 5.0  # a passage
@@ -23,8 +26,9 @@ _STEP_UP_M = 0.5
 _DOWN_M = 0.4  # into the floor, so that no gap is left on a slope
 _TELLS = ("unreached_area", "required_unreached", "navmesh_mismatch")
 _PLACES = 20_000  # walked places that are looked at
-_IN_VAIN = 150  # passages one after the other that are one way among several
+_IN_VAIN = 1000  # passages one after the other that are one way among several: most are told at a glance
 _INTO_WALL_M = 0.2
+_ROUND_M, _BESIDE_M = 8.0, 0.3  # where a way round is looked for, and between which places
 _LEAST_LOST_M2 = 4.0
 _UNEVEN_M = 0.2  # heights within a metre, on a stair or at a ledge
 
@@ -109,6 +113,24 @@ def _to_edge(field: Field, places: Ints, direction: tuple[int, int], cell_m: flo
 
 def _matters(ground: Ground, seeds: Ints, walked: Bools, box: Box) -> bool:
     """Whether walking alone loses some ground: cheap, before the flood fill with jumps decides."""
+    if _way_round(ground, box):
+        return False
     barred = box.contains(ground.field.positions, ground.level.character.radius_m)
     lost = walked & ~ground.moves.flood(seeds, barred) & ~barred
     return bool(lost[ground.walked].sum() * ground.field.grid.cell_m**2 >= _LEAST_LOST_M2)
+
+
+def _way_round(ground: Ground, box: Box) -> bool:
+    """Whether within some metres of a box all ground beside it is still one: then it cuts nothing off."""
+    at, moves = ground.field.positions, ground.moves
+    near = np.flatnonzero(ground.sure & (np.abs(at - box.centre) < _ROUND_M).all(axis=1))
+    near = near[~box.contains(at[near], ground.level.character.radius_m)]
+    number = np.full(len(at), -1)
+    number[near] = np.arange(len(near))
+    row, place = ragged(np.diff(moves.start)[near])
+    there = number[moves.target[moves.start[near][row] + place]]
+    row, there = row[there >= 0], there[there >= 0]
+    graph = coo_matrix((np.ones(len(row), dtype=np.int8), (row, there)), shape=(len(near), len(near)))
+    _, label = connected_components(graph, directed=True, connection="strong")
+    beside = box.contains(at[near], ground.level.character.radius_m + _BESIDE_M)
+    return bool(beside.any() and np.ptp(label[beside]) == 0)

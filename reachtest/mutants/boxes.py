@@ -13,6 +13,8 @@ import numpy as np
 from reachtest.records import Bools, Floats
 
 _SIDES = ("back", "front", "right", "left", "bottom", "top")
+_THICKEST_M = 3.0  # floor or wall that is cut through
+_SHEETS_APART_M = 1.6
 _THIN_M2 = 1e-10  # pieces of less area than that are rounding
 
 
@@ -61,9 +63,7 @@ def cut_out(triangles: Floats, box: Box) -> Floats:
     local = (triangles - box.centre) @ box.axes.T
     touched = ((local.min(axis=1) < box.half) & (local.max(axis=1) > -box.half)).all(axis=1)
     pieces = [piece for triangle in local[touched] for piece in _outside(triangle, box.half)]
-    if not pieces:
-        return triangles[~touched]
-    back: Floats = np.array(pieces) @ box.axes + box.centre
+    back = np.array(pieces).reshape(-1, 3, 3) @ box.axes + box.centre
     return np.concatenate([triangles[~touched], back])
 
 
@@ -115,3 +115,19 @@ def ray_hits(triangles: Floats, origin: Floats, direction: Floats, reach_m: floa
     hit = np.isfinite(safe) & (s >= 0) & (t >= 0) & (s + t <= 1) & (distance > 0) & (distance <= reach_m)
     order = np.flatnonzero(hit)[np.argsort(distance[hit], kind="stable")]
     return distance[order], -det[order]  # det = -(normal . direction) up to length
+
+
+def thickness(collision: Floats, origin: Floats, direction: Floats, reach_m: float) -> float | None:
+    """How thick what a ray meets is [m]: from its first face within reach to where it has left all it entered.
+
+    0 for a single sheet, None if there is nothing or it is too thick.
+    """
+    distance, against = ray_hits(collision, origin, direction, reach_m + _THICKEST_M)
+    if not len(distance) or distance[0] > reach_m:
+        return None
+    depth = np.cumsum(np.where(against < 0, 1, -1))
+    out = np.flatnonzero(depth <= 0)
+    if depth[0] < 0 or not len(out):  # seen from behind, or never left: a sheet, as far as one can tell
+        alone = len(distance) == 1 or distance[1] - distance[0] > _SHEETS_APART_M
+        return 0.0 if alone or depth[0] < 0 else None
+    return float(distance[out[0]] - distance[0])

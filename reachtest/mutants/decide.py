@@ -28,8 +28,8 @@ _NEW_M = 1.0  # farther from every place that was possible: a few cells
 _NEW_EXIT_M = 6.0  # as near, two ways out are one bug
 _SAME_M = 0.35  # a place of one field in the other: two cells
 _LEAST_PLACES = 12  # 0.35 m2: fewer may be rounding
+_LEAST_INSIDE = 4  # where the whole width is inside, a few are enough
 _LEAST_LOST_M2 = 4.0
-_BODY_M = 0.3  # above the feet: what has to be inside a solid
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def opened(ground: Ground, mutated: Level, box: Box) -> Change:
     trapped = new & box.contains(at, _SAME_M)
     trapped &= not _leads_back(ground, field, trapped, box)
     found = {"fell": ways_out, "off_mesh": off_mesh, "inside_solid": inside, "trap": trapped}
-    enough = {"fell": 1, "off_mesh": _LEAST_PLACES, "inside_solid": _LEAST_PLACES, "trap": _LEAST_PLACES}
+    enough = {"fell": 1, "off_mesh": _LEAST_PLACES, "inside_solid": _LEAST_INSIDE, "trap": _LEAST_PLACES}
     real = {name: places for name, places in found.items() if places.sum() >= enough[name]}
     return Change(tuple(real), np.concatenate([np.zeros((0, 3)), *(at[places] for places in real.values())]))
 
@@ -91,9 +91,14 @@ def _leads_back(ground: Ground, field: Field, trapped: Bools, box: Box) -> bool:
 
 
 def _in_new_solid(ground: Ground, mutated: Level, places: Floats) -> Bools:
+    """Where [n] the character is in a solid that the mutant added, in its whole width: more than touching it."""
+    r = ground.level.character.radius_m
     result = np.zeros(len(places), dtype=np.bool_)
     for solid in mutated.solids[len(ground.level.solids) :]:
-        result |= inside_closed_surface(places + [0.0, 0.0, _BODY_M], solid.triangles)
+        inside = np.ones(len(places), dtype=np.bool_)
+        for x, y in ((0.0, 0.0), (r, 0.0), (-r, 0.0), (0.0, r), (0.0, -r)):
+            inside[inside] = inside_closed_surface(places[inside] + [x, y, r], solid.triangles)
+        result |= inside
     return result
 
 

@@ -1,4 +1,4 @@
-"""Planters that take geometry away: holes, pits, gaps in walls, solids without collision."""
+"""Planters that take ground away, or a solid's collision: holes, pits, bare solids."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from reachtest.mutants.boxes import Box, cut_out, ray_hits
-from reachtest.mutants.field import Field
+from reachtest.mutants.boxes import Box, cut_out, thickness
 from reachtest.mutants.ground import Ground
-from reachtest.mutants.moves import aside
 from reachtest.mutants.records import Mutant, Planted, Planter
 from reachtest.records import Floats, Ints, Level, Solid
 
@@ -19,13 +17,10 @@ Once = Callable[[Ground, np.random.Generator], Planted | None]  # None: no luck 
 _HOLE_M = 0.8  # half a side: the capsule's diameter and as much again
 _PIT_M = 1.2
 _FLAT_M = 0.1  # a lid that is cut out has to lie in one plane, nearly
-_THICKEST_M = 3.0  # floor or wall that is cut through
-_DOOR_M, _WINDOW_M = 0.9, 1.3  # half widths of openings
-_ABOVE_M = 0.03  # a wall begins above its floor: the floor stays
 _SMALLEST_M, _LARGEST_M = 0.8, 15.0  # sides of a solid
 _BESIDE_M, _LEAST_BESIDE = 0.7, 10  # walked places at the foot of a solid
 _SOLID = "mutant"
-_FALLS = ("fell_out_of_world", "unexpected_area", "stuck", "no_return")
+FALLS = ("fell_out_of_world", "unexpected_area", "stuck", "no_return")
 
 
 _DRAWS = 3000  # most places are no place for a bug; a draw that fits nothing is cheap
@@ -48,7 +43,7 @@ def hole(ground: Ground, rng: np.random.Generator) -> Planted | None:
     if at is None:
         return None
     collision = ground.level.collision
-    thick = _thickness(collision, at + [0.0, 0.0, 0.5], np.array([0.0, 0.0, -1.0]), 0.5 + 2 * _FLAT_M)
+    thick = thickness(collision, at + [0.0, 0.0, 0.5], np.array([0.0, 0.0, -1.0]), 0.5 + 2 * _FLAT_M)
     if thick is None:
         return None
     bottom = at[2] - _FLAT_M - thick
@@ -57,7 +52,7 @@ def hole(ground: Ground, rng: np.random.Generator) -> Planted | None:
     if thick > _FLAT_M:  # what is thick has an inside, which nobody is to get into
         shaft = _between(at, bottom, at[2], _HOLE_M)
         cut = np.concatenate([cut, shaft.faces(("back", "front", "right", "left"), inwards=True)])
-    return Planted(_with(ground.level, cut), Mutant("hole", box, _FALLS))
+    return Planted(with_collision(ground.level, cut), Mutant("hole", box, FALLS))
 
 
 def pit(ground: Ground, rng: np.random.Generator) -> Planted | None:
@@ -72,20 +67,8 @@ def pit(ground: Ground, rng: np.random.Generator) -> Planted | None:
     sides = walls.faces(("back", "front", "right", "left", "bottom"), inwards=True)
     collision = np.concatenate([cut_out(ground.level.collision, box), sides])
     return Planted(
-        _with(ground.level, collision), Mutant("pit", box, ("stuck", "no_return", "unexpected_area"))
+        with_collision(ground.level, collision), Mutant("pit", box, ("stuck", "no_return", "unexpected_area"))
     )
-
-
-def gap(ground: Ground, rng: np.random.Generator) -> Planted | None:
-    """A piece of wall that is missing from the floor up."""
-    return _opening(ground, rng, "missing wall", 0.0, _DOOR_M)
-
-
-def lowered(ground: Ground, rng: np.random.Generator) -> Planted | None:
-    """A piece of wall so low that it can be jumped."""
-    who = ground.level.character
-    apex = who.jump_speed_mps**2 / (2 * who.gravity_mps2)
-    return _opening(ground, rng, "lowered wall", max(0.6 * apex, 0.6 * who.step_height_m), _WINDOW_M)
 
 
 def bare_solids(ground: Ground, rng: np.random.Generator) -> Iterator[Planted]:
@@ -98,10 +81,10 @@ def bare_solids(ground: Ground, rng: np.random.Generator) -> Iterator[Planted]:
         beside = ((places > low - _BESIDE_M) & (places < high + _BESIDE_M)).all(axis=1)
         if (beside & (places[:, 2] < high[2] - _BESIDE_M)).sum() < _LEAST_BESIDE:
             continue
-        level = _with(ground.level, np.delete(ground.level.collision, bodies[number], axis=0))
+        level = with_collision(ground.level, np.delete(ground.level.collision, bodies[number], axis=0))
         level = dataclasses.replace(level, solids=(*level.solids, Solid(_SOLID, body)))
         box = Box((low + high) / 2, (high - low) / 2)
-        yield Planted(level, Mutant("bare solid", box, ("inside_solid", *_FALLS)))
+        yield Planted(level, Mutant("bare solid", box, ("inside_solid", *FALLS)))
 
 
 def closed_bodies(triangles: Floats) -> list[Ints]:
@@ -130,7 +113,8 @@ def closed_bodies(triangles: Floats) -> list[Ints]:
     return result
 
 
-def _with(level: Level, collision: Floats) -> Level:
+def with_collision(level: Level, collision: Floats) -> Level:
+    """The level with other collision triangles [F, 3, 3]."""
     return dataclasses.replace(level, collision=collision)
 
 
@@ -150,78 +134,3 @@ def _flat_place(ground: Ground, rng: np.random.Generator, half_m: float) -> Floa
     flat = near.sum() >= 0.95 * whole and away[near, 2].max() <= _FLAT_M
     clear = np.linalg.norm(np.array([s.position for s in ground.level.spawns]) - at, axis=1).min() > 3.0
     return at if flat and clear else None
-
-
-def _thickness(collision: Floats, origin: Floats, direction: Floats, reach_m: float) -> float | None:
-    """How thick what a ray meets is [m]: from its first face within reach to where it has left all it entered.
-
-    0 for a single sheet, None if there is nothing or it is too thick.
-    """
-    distance, against = ray_hits(collision, origin, direction, reach_m + _THICKEST_M)
-    if not len(distance) or distance[0] > reach_m:
-        return None
-    depth = np.cumsum(np.where(against < 0, 1, -1))
-    out = np.flatnonzero(depth <= 0)
-    if depth[0] < 0 or not len(out):  # seen from behind, or never left: a sheet, as far as one can tell
-        alone = len(distance) == 1 or distance[1] - distance[0] > 2 * _HOLE_M
-        return 0.0 if alone or depth[0] < 0 else None
-    return float(distance[out[0]] - distance[0])
-
-
-def _opening(
-    ground: Ground, rng: np.random.Generator, kind: str, sill_m: float, half_m: float
-) -> Planted | None:
-    """A passage through a wall beside a walked place, from `sill_m` above its floor up."""
-    field, who = ground.field, ground.level.character
-    place = int(ground.walked[int(rng.integers(len(ground.walked)))])
-    yaw = int(rng.integers(4)) * np.pi / 2
-    if not _wall_ahead(field, place, yaw):
-        return None
-    at, forward = field.positions[place], np.array([np.cos(yaw), np.sin(yaw), 0.0])
-    side = np.array([-forward[1], forward[0], 0.0])
-    far, thickest = [], 0.0
-    for offset in (-0.8 * half_m, 0.0, 0.8 * half_m):
-        origin = at + offset * side + [0.0, 0.0, max(who.height_m / 2, sill_m + 0.3)]
-        hits, _ = ray_hits(ground.level.collision, origin, forward, 1.5)
-        thick = _thickness(ground.level.collision, origin, forward, 1.5)
-        if thick is None:
-            return None
-        far.append(float(hits[0]))
-        thickest = max(thickest, thick)
-    if np.ptp(far) > 0.3:
-        return None
-    low, near, end = at[2] + sill_m, min(far), max(far) + thickest
-    box = _tunnel(
-        at, forward, yaw, (near - 0.05, end + 0.05), (low + _ABOVE_M, low + 2 * who.height_m), half_m
-    )
-    inner = _tunnel(at, forward, yaw, (near, end), (low, low + 2 * who.height_m), half_m)
-    collision = cut_out(ground.level.collision, box)
-    if thickest > 0.05:
-        collision = np.concatenate([collision, inner.faces(("right", "left", "bottom", "top"), inwards=True)])
-    return Planted(_with(ground.level, collision), Mutant(kind, box, _FALLS))
-
-
-def _tunnel(
-    at: Floats,
-    forward: Floats,
-    yaw: float,
-    along: tuple[float, float],
-    heights: tuple[float, float],
-    half_m: float,
-) -> Box:
-    centre = at + forward * sum(along) / 2
-    half = np.array([(along[1] - along[0]) / 2, half_m, (heights[1] - heights[0]) / 2])
-    return Box(np.array([centre[0], centre[1], sum(heights) / 2]), half, yaw)
-
-
-def _wall_ahead(field: Field, place: int, yaw: float) -> bool:
-    """Whether the way straight on is barred within a metre."""
-    direction = (round(np.cos(yaw)), round(np.sin(yaw)))
-    column, level = field.column[[place]], field.level[[place]]
-    for cells in range(1, int(1.0 / field.grid.cell_m) + 1):
-        there, inside = aside(field, column, direction, cells)
-        if not inside[0]:
-            return False
-        if not field.free[there[0], level[0]]:
-            return True
-    return False

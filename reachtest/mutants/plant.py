@@ -9,8 +9,9 @@ import numpy as np
 from reachtest.mutants.barriers import doors, steps
 from reachtest.mutants.decide import Change, cut_off, opened
 from reachtest.mutants.ground import Ground
-from reachtest.mutants.openings import bare_solids, drawn, gap, hole, lowered, pit
+from reachtest.mutants.openings import bare_solids, drawn, hole, pit
 from reachtest.mutants.records import Judge, Planted, Planter
+from reachtest.mutants.walls import gap, lowered
 
 KINDS: dict[str, tuple[Planter, Judge]] = {
     "hole": (drawn(hole), opened),

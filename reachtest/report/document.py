@@ -32,6 +32,7 @@ def build_document(
 ) -> dict[str, Any]:
     """The whole of report.json, in plain JSON types, keys in the order of the contract."""
     settings = exploration.settings
+    survey = survey or Survey(level, exploration)
     return {
         "schema_version": SCHEMA_VERSION,
         "tool": {"name": "reachtest", "version": tool_version},
@@ -50,9 +51,9 @@ def build_document(
             "probe_episodes": exploration.probe_episodes,
             "probe_steps": exploration.probe_steps,
         },
-        "coverage": _coverage(exploration, survey or Survey(level, exploration)),
+        "coverage": _coverage(exploration, survey),
         "positions": _positions(exploration),
-        "risk": risk_section(exploration),
+        "risk": risk_section(exploration, bool((exploration.goal_step[survey.counts] < 0).any())),
         "findings": [_finding(level, finding) for finding in findings],
         "timing": _timing(exploration, started_at),
     }

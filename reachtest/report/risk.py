@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from reachtest.records import Exploration, Report, RiskSample
 
 DIGITS = 6  # of a probability
 CONFIDENCE = 0.95
+SETTLED = 0.8  # of the most cells seen once at any time: above it, estimates fell short of longer runs
 BARS = "▁▂▃▄▅▆▇█"
 
 
-def risk_section(exploration: Exploration) -> dict[str, Any]:
-    """report.json's `risk`: Good-Turing and Chao2 for incidence data; the unit of sampling is one episode."""
+def risk_section(exploration: Exploration, goals_open: bool) -> dict[str, Any]:
+    """report.json's `risk`: Good-Turing and Chao2 for incidence data; the unit of sampling is one episode.
+
+    `goals_open`: the nav-mesh knows of ground that nobody has come to yet.
+    """
     if exploration.episodes == 0:
         return {"discovery_probability": None, "estimated_positions_total": None, "unit": "episode"}
     curve = exploration.risk_curve
@@ -22,7 +27,7 @@ def risk_section(exploration: Exploration) -> dict[str, Any]:
         "unit": "episode",
         "positions_seen": exploration.cells_total,
         "recent": _recent(curve[-1]) if curve else None,
-        "ten_times_longer": _ten_times_longer(curve[-1]) if curve else None,
+        "ten_times_longer": _ten_times_longer(curve) if is_settled(curve, goals_open) else None,
         "curve": [_sample(sample) for sample in curve],
     }
 
@@ -45,9 +50,15 @@ def _recent(sample: RiskSample) -> dict[str, Any] | None:
     }
 
 
-def _ten_times_longer(sample: RiskSample) -> dict[str, float]:
-    low, high = sample.ten_times_longer
+def _ten_times_longer(curve: Sequence[RiskSample]) -> dict[str, float]:
+    low, high = curve[-1].ten_times_longer
     return {"positions_low": round(low, 1), "positions_high": round(high, 1)}
+
+
+def is_settled(curve: Sequence[RiskSample], goals_open: bool) -> bool:
+    """Whether known ground fills up; as long as new ground opens up, what lies behind it shows in no statistics."""
+    once = [sample.cells_once for sample in curve]
+    return bool(once) and not goals_open and once[-1] <= SETTLED * max(once)
 
 
 def _sample(sample: RiskSample) -> dict[str, Any]:
@@ -83,13 +94,17 @@ def recent_sentence(report: Report) -> str:
     recent = report.document["risk"].get("recent")
     if recent is None:
         return ""
-    longer = report.document["risk"]["ten_times_longer"]
     between = f"{_percent(recent['low'])} to {_percent(recent['high'])} %"
-    return (
-        f"{_percent(recent['share'])} % of the latest {recent['episodes']:,} episodes found a new place"
-        f" ({between}); ten times the steps are likely to see {longer['positions_low']:,.0f} to"
-        f" {longer['positions_high']:,.0f} places"
-    )
+    found = f"{_percent(recent['share'])} % of the latest {recent['episodes']:,} episodes found a new place"
+    return f"{found} ({between}); {_longer(report)}"
+
+
+def _longer(report: Report) -> str:
+    longer = report.document["risk"]["ten_times_longer"]
+    if longer is None:
+        return "new ground still opens up, so it is too early to tell what a longer run would see"
+    low, high = longer["positions_low"], longer["positions_high"]
+    return f"ten times the steps are likely to see {low:,.0f} to {high:,.0f} places"
 
 
 def sparkline(report: Report) -> str:

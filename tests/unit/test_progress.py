@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -48,6 +49,17 @@ def test_a_build_log_gets_a_line_every_few_seconds(clock) -> None:
         assert fact in lines[0]
     assert "falls" not in lines[0]
     assert "1 fall" in lines[-1]
+
+
+def test_it_shows_how_much_there_still_is_to_find(clock) -> None:
+    stream = io.StringIO()
+    with progress_for(SETTINGS, quiet=False, stream=stream) as display:
+        for share in (None, 0.42):
+            clock[0] += 6.0
+            display.on_round(replace(record(2_000), discovery_share=share))
+    first, second = stream.getvalue().splitlines()
+    assert "something new" not in first
+    assert "42% of episodes find something new" in second
 
 
 def test_a_terminal_gets_a_bar(clock) -> None:

@@ -13,59 +13,66 @@ from reachtest.explore.visits import VisitCounts
 from reachtest.records import Exploration, GateSettings, Required, RiskSample, StopReason
 from tests.unit.explore.walker import LEVEL, Run
 
-SEEDS = range(6)
-STEPS = (5_000, 10_000)  # a walker has found about 60 % and 80 % of its cells then
+SEEDS = range(5)
+STEPS = (5_120, 10_240)  # a walker has found about 60 % and 80 % of its cells then
+LONGEST = 10 * STEPS[-1]
+WINDOW = 200  # episodes: enough to tell how many of them find something new
 
 
 @cache
-def run(seed: int, steps: int) -> Exploration:
-    return Run(seed, steps=steps).result
+def run(seed: int) -> Exploration:
+    """A longer run begins as the shorter one: its curve holds all of them."""
+    return Run(seed, steps=LONGEST).result
 
 
-# --- quality: a walker on a fenced plane has some 2,300 cells -----------------------------------------------------
+def at(seed: int, steps: int) -> RiskSample:
+    return next(sample for sample in run(seed).risk_curve if sample.agent_steps >= steps)
+
+
+# --- quality: a walker on a fenced plane has some 2,330 cells -----------------------------------------------------
 
 
 @pytest.mark.parametrize("steps", STEPS)
 def test_the_estimate_brackets_what_a_ten_times_longer_run_finds(steps: int) -> None:
+    """In every seed, with 2 % to spare below: Chao2 is about what there is, and this is about all of it."""
     for seed in SEEDS:
-        low, high = run(seed, steps).risk_curve[-1].ten_times_longer
-        found = run(seed, 10 * steps).cells_total
+        low, high = at(seed, steps).ten_times_longer
+        found = at(seed, 10 * steps).cells_total
         assert low <= 1.02 * found <= 1.02 * high, (seed, low, found, high)
 
 
 @pytest.mark.parametrize("steps", STEPS)
 def test_the_estimated_total_is_nearer_to_the_truth_than_what_was_seen(steps: int) -> None:
-    """A lower bound, but one worth having: at most a fifth of what there is is missed."""
+    """A lower bound, but one worth having: at most a quarter of what there is is missed."""
     for seed in SEEDS:
-        short, found = run(seed, steps), run(seed, 10 * steps).cells_total
-        assert 0.8 * found <= short.estimated_cells_total <= 1.02 * found
+        short, found = at(seed, steps), at(seed, 10 * steps).cells_total
+        assert 0.75 * found <= short.estimated_cells_total <= 1.02 * found
         assert found - short.estimated_cells_total < 0.6 * (found - short.cells_total)
 
 
 def test_the_bound_holds_for_what_the_next_episodes_find() -> None:
-    """Where it says more than "at most 100 %": in 9 of 10 cases, since an adaptive search is no random sample."""
-    pairs = [
-        pair for seed in SEEDS for pair in _pairs(run(seed, 100_000)) if pair[0].discovery_probability < 1
-    ]
+    """Where it says more than "at most 100 %": in 17 of 20 cases, since an adaptive search is no random sample."""
+    pairs = [pair for seed in SEEDS for pair in _pairs(seed) if pair[0].discovery_probability < 1]
     held = [now.discovery_probability >= _observed(now, later) for now, later in pairs]
-    assert len(held) >= 5 * len(SEEDS)
-    assert np.mean(held) >= 0.9
+    assert len(held) >= 20 * len(SEEDS)
+    assert np.mean(held) >= 0.85
 
 
 def test_the_latest_episodes_tell_what_the_next_ones_find() -> None:
     """Closer than the bound, and rather too high than too low: discovery only gets rarer."""
-    pairs = [
-        pair for seed in SEEDS for pair in _pairs(run(seed, 100_000)) if pair[0].episodes >= RECENT_LEAST
-    ]
+    pairs = [pair for seed in SEEDS for pair in _pairs(seed) if pair[0].episodes >= RECENT_LEAST]
     shares = np.array([now.recent_share for now, _ in pairs], dtype=float)
     bounds = np.array([now.discovery_probability for now, _ in pairs])
     observed = np.array([_observed(now, later) for now, later in pairs])
-    assert np.abs(shares - observed).mean() < 0.5 * np.abs(bounds - observed).mean()
-    assert 0.0 <= (shares - observed).mean() < 0.1
+    assert np.abs(shares - observed).mean() < np.abs(bounds - observed).mean()
+    assert 0.0 <= (shares - observed).mean() < 0.15
 
 
-def _pairs(result: Exploration) -> list[tuple[RiskSample, RiskSample]]:
-    return list(zip(result.risk_curve, result.risk_curve[1:], strict=False))
+def _pairs(seed: int) -> list[tuple[RiskSample, RiskSample]]:
+    """Each sample with the first one that is WINDOW episodes later."""
+    curve = run(seed).risk_curve
+    later = [next((b for b in curve if b.episodes >= a.episodes + WINDOW), None) for a in curve]
+    return [(a, b) for a, b in zip(curve, later, strict=True) if b is not None]
 
 
 def _observed(now: RiskSample, later: RiskSample) -> float:
@@ -93,7 +100,7 @@ def test_cells_are_counted_as_a_look_at_all_of_them_would() -> None:
 
 
 def test_the_curve_ends_with_the_run() -> None:
-    result = run(0, 5_000)
+    result = run(0)
     last = result.risk_curve[-1]
     assert (last.agent_steps, last.episodes) == (result.agent_steps, result.episodes)
     assert (last.cells_once, last.cells_twice) == (result.cells_once, result.cells_twice)
@@ -144,21 +151,22 @@ def test_it_is_the_longer_run_up_to_there() -> None:
 
 def test_a_required_place_out_of_reach_keeps_it_going() -> None:
     sky = replace(EASY, required=(Required("sky", np.array([0.0, 0.0, 50.0]), 1.0),))
-    result = Run(where=sky, steps=40_000, stop_when_done=True).result
+    result = Run(where=sky, steps=30_000, stop_when_done=True).result
     assert result.stop_reason is StopReason.STEPS
     assert result.discovery_probability <= 0.9
 
 
 @pytest.mark.parametrize(
-    ("limit", "reached", "wanted", "done"),
+    ("limit", "reached", "wanted", "lately", "done"),
     [
-        (0.05, [3, 9], [True, True], True),
-        (0.04, [3, 9], [True, True], False),
-        (0.05, [3, -1], [True, True], False),
-        (0.05, [3, -1], [True, False], True),  # nobody can get there
-        (None, [3, 9], [True, True], False),
+        (0.05, [3, 9], [True, True], 1, True),
+        (0.04, [3, 9], [True, True], 0, False),
+        (0.05, [3, 9], [True, True], 2, False),  # the estimate is within the limit, what came of late is not
+        (0.05, [3, -1], [True, True], 1, False),
+        (0.05, [3, -1], [True, False], 1, True),  # nobody can get there
+        (None, [3, 9], [True, True], 0, False),
     ],
 )
-def test_done_is_all_reached_and_the_risk_within_a_limit(limit, reached, wanted, done) -> None:
-    latest = RiskSample(1_000, 100, 50, 5, 5, 50, 20, 1, 2, 40)
+def test_done_is_all_reached_and_the_risk_within_a_limit(limit, reached, wanted, lately, done) -> None:
+    latest = RiskSample(1_000, 100, 50, 5, 5, 50, 20, lately, 2, 40)
     assert is_done(GateSettings((), 1.0, limit), np.array(reached), np.array(wanted), latest) is done

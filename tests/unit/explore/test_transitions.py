@@ -70,8 +70,10 @@ def test_who_falls_out_of_the_world_goes_out_and_the_next_episode_starts_where_i
 
 def test_a_place_to_lie_still_in_is_a_place_and_the_top_of_a_jump_is_none() -> None:
     wedge, top = [3.5, 0.5, -2.0], [0.5, 3.5, 0.9]
-    still = rolled([(wedge, False)] * 4, [([0.5, 3.5, 0.5], False), (top, False), (top, False), ([0.5, 3.5, 0.4], False)])
-    graph, transitions = graph_of((still, [[0.5, 0.5, 0.0], [0.5, 3.5, 0.0]]))
+    still = rolled(
+        [(wedge, False)] * 4, [([0.5, 3.5, 0.5], False), (top, False), (top, False), ([0.5, 3.5, 0.4], False)]
+    )
+    graph, _ = graph_of((still, [[0.5, 0.5, 0.0], [0.5, 3.5, 0.0]]))
     found = {tuple(np.round(place, 3)) for place in graph.places[1:].tolist()}
     assert tuple(wedge) in found
     assert tuple(top) not in found

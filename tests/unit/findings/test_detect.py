@@ -18,6 +18,7 @@ from reachtest.records import (
     Points,
     ReplayPath,
     Required,
+    RiskSample,
     Solid,
     StopReason,
     Zone,
@@ -156,6 +157,10 @@ def test_single_linkage_keeps_groups_apart() -> None:
     assert single_linkage(np.empty((0, 3)), 1.0) == []
 
 
+# 5 % by the bound, but 12 of the latest 100 episodes found something new
+LATELY = (RiskSample(9_000, 1_000, 400, 50, 10, 500, 100, 12, 2, 9),)
+
+
 @pytest.mark.parametrize(
     ("changes", "gate", "name", "code"),
     [
@@ -164,6 +169,13 @@ def test_single_linkage_keeps_groups_apart() -> None:
         ({"goal_step": np.array([3, -1])}, {"min_goals_reached": 0.5}, "pass", 0),
         ({}, {"max_discovery_probability": 0.01}, "inconclusive", 4),
         ({}, {"max_discovery_probability": 0.10}, "pass", 0),
+        ({"risk_curve": LATELY}, {"max_discovery_probability": 0.10}, "inconclusive", 4),
+        (
+            {"risk_curve": LATELY, "stop_reason": StopReason.DONE},
+            {"max_discovery_probability": 0.12},
+            "pass",
+            0,
+        ),
         ({"stop_reason": StopReason.INTERRUPTED}, {}, "inconclusive", 130),
         ({"stop_reason": StopReason.TERMINATED}, {}, "inconclusive", 143),
     ],

@@ -18,7 +18,9 @@ def area(triangles: np.ndarray) -> float:
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, np.pi / 4, 2.0])
 def test_a_square_is_cut_out_of_a_floor_and_nothing_else(yaw: float) -> None:
-    floor = np.array([[[-5, -5, 0], [5, -5, 0], [5, 5, 0]], [[-5, -5, 0], [5, 5, 0], [-5, 5, 0]]], dtype=float)
+    floor = np.array(
+        [[[-5, -5, 0], [5, -5, 0], [5, 5, 0]], [[-5, -5, 0], [5, 5, 0], [-5, 5, 0]]], dtype=float
+    )
     hole = Box(np.array([1.0, -0.5, 0.0]), np.array([0.8, 0.6, 0.2]), yaw)
     left = cut_out(floor, hole)
     assert area(left) == pytest.approx(100.0 - 4 * 0.8 * 0.6)
@@ -46,7 +48,9 @@ def test_a_tunnel_through_a_closed_wall() -> None:
 
 
 def test_a_ray_tells_front_from_back() -> None:
-    distance, against = ray_hits(box([0, -1, 0], [2, 1, 2]), np.array([-1.0, 0.1, 1.2]), np.array([1.0, 0, 0]), 9)
+    distance, against = ray_hits(
+        box([0, -1, 0], [2, 1, 2]), np.array([-1.0, 0.1, 1.2]), np.array([1.0, 0, 0]), 9
+    )
     assert distance.tolist() == pytest.approx([1.0, 3.0])
     assert against[0] < 0 < against[1]
 

@@ -10,13 +10,16 @@ import pytest
 from reachtest.mutants.boxes import Box, cut_out
 from reachtest.mutants.decide import Change, cut_off, opened
 from reachtest.mutants.ground import Ground, survey_ground
-from reachtest.records import Floats, Level
+from reachtest.records import Floats, Level, Solid
 from tests.levels import box, level
 
 SIDE = 6.0
 SLAB = box([-SIDE, -SIDE, -0.5], [SIDE, SIDE, 0])
 NAV = np.array(
-    [[[-SIDE, -SIDE, 0], [SIDE, -SIDE, 0], [SIDE, SIDE, 0]], [[-SIDE, -SIDE, 0], [SIDE, SIDE, 0], [-SIDE, SIDE, 0]]]
+    [
+        [[-SIDE, -SIDE, 0], [SIDE, -SIDE, 0], [SIDE, SIDE, 0]],
+        [[-SIDE, -SIDE, 0], [SIDE, SIDE, 0], [-SIDE, SIDE, 0]],
+    ]
 )
 GOALS = np.array([[-4.0, 0, 0], [4.0, 0, 0]])
 APEX_M = 0.9  # of the preset: 4.2 m/s at 9.8 m/s2
@@ -101,7 +104,9 @@ def divided(door: float) -> Level:
 
 
 def blocks(one: Level, barrier: Box) -> Change:
-    one = dataclasses.replace(one, spawns=(dataclasses.replace(one.spawns[0], position=np.array([-3.0, 0, 0.02])),))
+    one = dataclasses.replace(
+        one, spawns=(dataclasses.replace(one.spawns[0], position=np.array([-3.0, 0, 0.02])),)
+    )
     mutated = dataclasses.replace(one, collision=np.concatenate([one.collision, barrier.faces()]))
     return cut_off(survey(one), mutated, barrier)
 
@@ -112,7 +117,9 @@ def test_a_box_in_the_only_door_cuts_a_room_off() -> None:
     assert (change.places[:, 0] > 0).all()
 
 
-@pytest.mark.parametrize("barrier", [upright(0, 0, (-0.2, 0.8), (0.4, 1.1)), upright(0, 0, (-0.2, 2.8), (0.4, 0.2))])
+@pytest.mark.parametrize(
+    "barrier", [upright(0, 0, (-0.2, 0.8), (0.4, 1.1)), upright(0, 0, (-0.2, 2.8), (0.4, 0.2))]
+)
 def test_a_box_that_one_gets_over_or_past_does_not(barrier: Box) -> None:
     assert blocks(divided(1.6 if barrier.half[1] < 1 else 0.8), barrier).reasons == ()
 
@@ -124,3 +131,12 @@ def test_a_box_in_one_of_two_doors_does_not() -> None:
         box([-0.2, 4.5, 0], [0.2, SIDE, 3]),
     )
     assert blocks(two, upright(0, 0, (-0.2, 2.8), (0.4, 1.1))).reasons == ()
+
+
+@pytest.mark.parametrize(("width", "counts"), [(2.0, True), (0.5, False)])
+def test_a_solid_counts_if_the_whole_character_gets_into_it(width: float, counts: bool) -> None:
+    body = box([2, 2, 0], [2 + width, 4, 2.2])
+    one, empty = yard(body), dataclasses.replace(yard(), solids=(Solid("body", body),))
+    low, high = body.min(axis=(0, 1)), body.max(axis=(0, 1))
+    change = opened(survey(one), empty, Box((low + high) / 2, (high - low) / 2))
+    assert ("inside_solid" in change.reasons) == counts

@@ -14,7 +14,7 @@ from reachtest.mutants.ground import Ground, survey_ground
 from reachtest.mutants.openings import closed_bodies
 from reachtest.mutants.plant import KINDS, plant
 from reachtest.mutants.records import Planted
-from reachtest.records import Spawn
+from reachtest.records import NavMesh, Spawn
 from tests.levels import box, slope
 from tests.unit.mutants.test_decide import SIDE, yard
 
@@ -25,13 +25,26 @@ DOWN = np.array([0.0, 0.0, -1.0])
 def ground() -> Ground:
     """A yard of two rooms with a pillar in one and, in the other, a stage with a ramp between walls."""
     rooms = (box([-0.2, -SIDE, 0], [0.2, -0.8, 3]), box([-0.2, 0.8, 0], [0.2, SIDE, 3]))
-    pillar = box([-4, -4, 0.0], [-3, -3, 2.5])
-    stage = (box([2.6, 2, 0], [SIDE, SIDE, 1.6]), box([4.5, -2, 0], [4.7, 2, 3]), box([2.4, -2, 0], [2.6, SIDE, 3]))
+    pillar = box([-4.4, -4.4, 0.0], [-3, -3, 2.5])
+    stage = (
+        box([2.6, 2, 0], [SIDE, SIDE, 1.6]),
+        box([4.5, -2, 0], [4.7, 2, 3]),
+        box([2.4, -2, 0], [2.6, SIDE, 3]),
+    )
     ramp = slope(24.0, length=4.0 / np.cos(np.radians(24.0)), width=1.9)
     ramp = np.stack([3.55 - ramp[..., 1], ramp[..., 0] - 2.0, ramp[..., 2]], axis=-1)
     made = yard(*rooms, pillar, *stage, ramp)
     start = Spawn("start", np.array([-2.0, 0.0, 0.02]))
-    return survey_ground(dataclasses.replace(made, spawns=(start,)), np.array([[5.0, 4.0, 0.0], [3.0, -4.0, 0.0]]))
+    top = np.array(
+        [
+            [[2.6, 2, 1.6], [SIDE, 2, 1.6], [SIDE, SIDE, 1.6]],
+            [[2.6, 2, 1.6], [SIDE, SIDE, 1.6], [2.6, SIDE, 1.6]],
+        ]
+    )
+    surface = np.concatenate([made.navmesh.triangles, ramp, top]).reshape(-1, 3)
+    mesh = NavMesh("", surface, np.arange(len(surface)).reshape(-1, 3))
+    made = dataclasses.replace(made, spawns=(start,), navmesh=mesh)
+    return survey_ground(made, np.array([[4.3, 4.0, 1.6], [3.0, -4.0, 0.0]]))
 
 
 def first(ground: Ground, kind: str, seed: int = 1) -> tuple[Planted, Change]:
@@ -54,6 +67,7 @@ def test_an_opening_goes_all_the_way_through_the_wall(ground: Ground, kind: str)
     planted, _ = first(ground, kind)
     hole = planted.mutant.box
     inside = hole.centre - hole.axes[0] * (hole.half[0] + 0.1)
+    inside[2] = hole.bounds[0][2] + 0.5
     through = 2 * hole.half[0] + 0.2
     assert len(ray_hits(ground.level.collision, inside, hole.axes[0], through)[0])
     assert not len(ray_hits(planted.level.collision, inside, hole.axes[0], through)[0])
@@ -90,7 +104,8 @@ def test_a_barrier_cuts_goals_off(ground: Ground, kind: str) -> None:
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_the_same_seed_plants_the_same(ground: Ground, kind: str) -> None:
     one, two = (
-        [(p.mutant.position.tolist(), c.reasons) for p, c in islice(plant(ground, kind, 7), 3)] for _ in range(2)
+        [(p.mutant.position.tolist(), c.reasons) for p, c in islice(plant(ground, kind, 7), 3)]
+        for _ in range(2)
     )
     assert one == two
 

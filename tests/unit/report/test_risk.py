@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 
 from reachtest.records import Report, RiskSample
@@ -18,8 +19,11 @@ CURVE = tuple(
 )
 
 
+ALL_REACHED = np.array([0, 640, 902])
+
+
 def report(**changes: Any) -> Report:
-    exploration = make_exploration(risk_curve=CURVE, **changes)
+    exploration = make_exploration(**{"risk_curve": CURVE, "goal_step": ALL_REACHED} | changes)
     return make_report(verdict=PASS, exploration=exploration)
 
 
@@ -50,7 +54,14 @@ def test_nothing_new_lately_is_no_proof_that_there_is_nothing() -> None:
 def test_a_longer_run_is_bracketed() -> None:
     longer = report().document["risk"]["ten_times_longer"]
     assert longer["positions_low"] == pytest.approx(200 + 49 / 50 * 80**2 / 80)
-    assert longer["positions_high"] == pytest.approx(200 + 80 * 2.302585, abs=0.1)
+    assert longer["positions_high"] == pytest.approx(200 + (80 + 2 * 80**0.5) * 2.302585, abs=0.1)
+
+
+@pytest.mark.parametrize("changes", [{"risk_curve": CURVE[:1]}, {"goal_step": np.array([0, 640, -1])}])
+def test_nothing_is_foretold_while_new_ground_opens_up(changes: dict[str, Any]) -> None:
+    early = report(**changes)
+    assert early.document["risk"]["ten_times_longer"] is None
+    assert "too early to tell" in render(early)
 
 
 def test_a_designer_sees_how_it_went() -> None:
