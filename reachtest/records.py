@@ -169,7 +169,7 @@ class ExploreSettings:
     goal_radius_m: float = 1.0
     expected_within_m: float = 3.0
     directed: float = 0.25  # share of the lanes that push towards an open goal on purpose
-    effort: int = 64  # directed attempts from its border before a part of the nav-mesh is called unreached
+    effort: int = 256  # directed attempts from its border before a part of the nav-mesh is called unreached
     stop_when_done: bool = False  # once everything is reached and `gate.max_discovery_probability` is met
 
     @property

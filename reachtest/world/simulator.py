@@ -163,23 +163,25 @@ class MujocoSimulator:
         velocity[ids[hit], 2] = (floor[hit] - self._position[ids[hit], 2]) / self._dt
 
     def _back_out(self, came_from: Floats) -> None:
-        """Put who is squeezed between two sides back where it came from [B, 3].
+        """Put who is squeezed between two sides back where it came from [B, 3], unless it was deeper in there.
 
         At 0.2 m a tick the corners of too narrow an opening are passed between two looks at the contacts, and
         then both sides push evenly: without this one approach in five got through 5 cm too little.
         """
-        second = self._batch.sensor[:, 1]
-        ids = indices((second[:, 1] < -SQUEEZED_M) & (second[:, 0] > 0))
+        sensor = self._batch.sensor
+        ids = indices(sensor[:, 1, 1] < -SQUEEZED_M)
+        deep = (sensor[ids, :, 1] < -SQUEEZED_M) & (sensor[ids, :, 0] > 0)
+        normals = np.where(deep[:, :, None], sensor[ids, :, 2:], 0.0)
+        ids = ids[(normals @ normals.transpose(0, 2, 1)).min(axis=(1, 2), initial=0.0) < OPPOSED_COS]
         if not len(ids):
             return
-        some = self._batch.sensor[ids]
-        deep = (some[:, :, 1] < -SQUEEZED_M) & (some[:, :, 0] > 0)
-        normals = np.where(deep[:, :, None], some[:, :, 2:], 0.0)
-        opposed = (normals @ normals.transpose(0, 2, 1)).min(axis=(1, 2)) < OPPOSED_COS
-        ids = ids[opposed]
-        if len(ids):
-            self._position[ids], self._velocity[ids] = came_from[ids], 0.0
-            self._refresh(ids)
+        here = self._position[ids], self._velocity[ids], self._deepest()[ids]
+        self._position[ids], self._velocity[ids] = came_from[ids], 0.0
+        self._refresh(ids)
+        worse = self._deepest()[ids] <= here[2]  # where it came from: there it would stay for ever
+        if worse.any():
+            self._position[ids[worse]], self._velocity[ids[worse]] = here[0][worse], here[1][worse]
+            self._refresh(ids[worse])
 
     def _limit_boost(self, plan: Plan, walked: Bools, stands: Bools) -> None:
         """No throw without a jump: walking off a crest starts at rest, a steep surface only slows a fall."""

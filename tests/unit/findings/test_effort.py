@@ -1,0 +1,86 @@
+"""Unreached is said after directed effort only; before that the run is inconclusive, with what is missing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reachtest.findings import find, judge
+from reachtest.findings.effort import steps_to_go
+from reachtest.records import ExploreSettings, GateSettings, Required
+from tests.levels import FLOOR, level
+from tests.unit.findings.test_detect import Paths, exploration
+
+LEVEL = replace(
+    level(FLOOR),
+    gate=GateSettings(("unreached_area", "required_unreached")),
+    required=(Required("flag", np.array([1.0, 1, 0]), 1.0),),
+)
+GOALS = [[0, 0, 0], [4, 0, 0], [5, 4, 0], [-6, -5, 0]]
+
+
+def after(attempts, required_attempts=99, required=5, **changes):
+    changes.setdefault("settings", ExploreSettings(effort=64))
+    return exploration(
+        goals=GOALS,
+        reached=[5, -1, -1, 700],
+        required=[required],
+        goal_attempts=np.array(attempts),
+        goal_border_m=np.array([0.0, 3.5, 7.0, 0.0]),
+        required_attempts=np.array([required_attempts]),
+        **changes,
+    )
+
+
+def outcome(result, where=LEVEL):
+    found = find(where, result, Paths())
+    return judge(where.gate, result, found), [f for f in found if f.kind in where.gate.fail_on]
+
+
+def test_an_area_that_was_tried_enough_is_unreached_and_gates() -> None:
+    verdict, (area,) = outcome(after([0, 40, 24, 0]))
+    assert (verdict.name, verdict.exit_code) == ("fail", 1)
+    assert area.gating
+    assert area.details == ("64 directed attempts from 3.5 m away did not get there",)
+
+
+def test_an_area_that_was_not_tried_enough_is_inconclusive_and_says_what_is_missing() -> None:
+    verdict, (area,) = outcome(after([0, 40, 23, 0]))
+    assert (verdict.name, verdict.exit_code) == ("inconclusive", 4)
+    assert not area.gating
+    assert "63 directed attempts" in area.details[0]
+    assert "explore.effort asks for 64" in area.details[0]
+    assert "at 1 of 1 unreached areas fewer than 64 directed attempts" in verdict.reason
+    assert "more steps (an estimate)" in verdict.reason
+
+
+@pytest.mark.parametrize(("attempts", "name"), [(64, "fail"), (63, "inconclusive"), (0, "inconclusive")])
+def test_a_required_point_gates_after_as_much_effort(attempts: int, name: str) -> None:
+    where = replace(LEVEL, gate=replace(LEVEL.gate, min_goals_reached=0.5))
+    result = after([0, 0, 0, 0], required_attempts=attempts, required=-1)
+    verdict, found = outcome(result, where)
+    assert verdict.name == name
+    assert [f.gating for f in found if f.kind == "required_unreached"] == [name == "fail"]
+
+
+def test_a_share_of_goals_that_need_not_be_reached_does_not_gate() -> None:
+    where = replace(LEVEL, gate=replace(LEVEL.gate, min_goals_reached=0.5))
+    verdict, (area,) = outcome(after([0, 99, 99, 0]), where)
+    assert verdict.name == "pass"
+    assert not area.gating
+
+
+def test_no_effort_asked_for_is_enough_effort() -> None:
+    verdict, _ = outcome(after([0, 0, 0, 0], settings=ExploreSettings(effort=0)))
+    assert verdict.name == "fail"
+
+
+def test_the_estimate_goes_by_the_goals_reached_lately_and_by_the_attempts_to_make() -> None:
+    everything = np.ones(4, dtype=bool)
+    tried = after([0, 64, 64, 0])  # one goal in the last third of 1,000 steps, two to go
+    assert steps_to_go(tried, everything) == round(2 * 1000 / 3)
+    untried = after([0, 0, 0, 0])  # 64 attempts of 32 steps by a quarter of the lanes
+    assert steps_to_go(untried, everything) == 64 * 32 * 4
+    assert steps_to_go(replace(tried, goal_step=np.array([5, -1, -1, 6])), everything) is None
