@@ -420,6 +420,10 @@ class Exploration:
     # [G] directed at it since a goal of the same open part was reached last
     goal_border_m: Floats = field(default_factory=lambda: np.zeros(0))  # [G] nearest place they began at
     required_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # [R] likewise
+    required_connected: Bools = field(
+        default_factory=lambda: np.ones(0, dtype=np.bool_)
+    )  # [R] to a spawn, by
+    # the nav-mesh; empty: not known to be otherwise
     pockets: tuple[Pocket, ...] = ()
     probe_episodes: int = 0  # of the search for ways back; outside the step budget
     probe_steps: int = 0  # [agent steps] likewise
@@ -473,7 +477,9 @@ class ReplayPath:
     attempts: int
     succeeded: int
     state: Floats | None = None  # [S] the simulator's state at the start
-    actions: NDArray[np.int8] | None = None  # [N, 2] every agent step; of a cut path no chain of episodes is left
+    actions: NDArray[np.int8] | None = (
+        None  # [N, 2] every agent step; of a cut path no chain of episodes is left
+    )
     states: Floats | None = None  # [N, S] after every agent step
     stood: Floats | None = None  # [N, 3] where it stood last during the step; NaN if it did not
     found_s: float | None = None  # how long the way was before it was cut

@@ -56,8 +56,8 @@ def gap_m(found: Place, known: Place) -> float:
         return 0.0 if _name(found.id) == _name(known.id) else np.inf
     if len(found.exits) and len(known.exits):
         return float(np.linalg.norm(found.exits[:, None] - known.exits[None], axis=2).min())
-    apart = np.maximum(np.maximum(found.low - known.high, known.low - found.high), 0.0)
-    return float(np.linalg.norm(apart))
+    # The middle of each in the box of the other: what spans the whole level is not what lies somewhere in it.
+    return max(_outside_m(found, known), _outside_m(known, found))
 
 
 def match(found: Sequence[Place], known: Sequence[Place]) -> list[int | None]:
@@ -83,6 +83,12 @@ def match(found: Sequence[Place], known: Sequence[Place]) -> list[int | None]:
             result[row] = int(column)
             taken.add(int(column))
     return result
+
+
+def _outside_m(one: Place, other: Place) -> float:
+    """How far the middle of one place is outside the box of the other [m]."""
+    middle = (one.low + one.high) / 2
+    return float(np.linalg.norm(np.maximum(np.maximum(other.low - middle, middle - other.high), 0.0)))
 
 
 def _name(id_: str) -> str:

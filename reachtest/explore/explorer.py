@@ -50,7 +50,7 @@ class Explorer:
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
-        self._wanted = self._worth()
+        self._wanted, self._required_connected = self._worth()
         self._aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
         self._headings: list[NDArray[np.int8]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
@@ -88,6 +88,7 @@ class Explorer:
             goal_attempts=self._aims.attempts[: len(ledger.on_navmesh)],
             goal_border_m=self._aims.border_m[: len(ledger.on_navmesh)],
             required_attempts=self._aims.attempts[len(ledger.on_navmesh) :],
+            required_connected=self._required_connected,
             pockets=probed.pockets,
             probe_episodes=probed.episodes,
             probe_steps=probed.steps,
@@ -118,14 +119,16 @@ class Explorer:
         """What a cached point takes outside the tree."""
         return self._ledger.archive.bytes_per_point
 
-    def _worth(self) -> Bools:
-        """The goals [G] that somebody should be able to get to: not those on the roofs, but the required points."""
-        goals = self._ledger.goals.goals
-        worth = np.ones(len(goals), dtype=np.bool_)
-        count = len(self._ledger.on_navmesh)
+    def _worth(self) -> tuple[Bools, Bools]:
+        """The goals [G] that somebody should be able to get to: not those on the roofs, but all required points; and
+        which required points [R] the nav-mesh connects to a spawn."""
+        goals, count = self._ledger.goals.goals, len(self._ledger.on_navmesh)
         spawns = np.array([spawn.position for spawn in self._level.spawns])
-        worth[:count] = goal_islands(self._level.navmesh, spawns, goals[:count]).goals_count
-        return worth
+        islands = goal_islands(self._level.navmesh, spawns, goals)
+        worth = islands.goals_count
+        worth[count:] = True
+        island = islands.goal_island[count:]
+        return worth, (island >= 0) & islands.connected[island]
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from reachtest.findings.build import Cluster, build_finding
-from reachtest.findings.effort import attempts_at_required, describe, enough
+from reachtest.findings.effort import describe_required, required_tried
 from reachtest.findings.escapes import escapes
 from reachtest.findings.evidence import Evidence
 from reachtest.findings.islands import unconnected_islands, unreached_areas
@@ -50,9 +50,9 @@ def required_points(evidence: Evidence) -> list[Cluster]:
     exploration, required = evidence.exploration, evidence.level.required
     result = []
     for index in np.flatnonzero(exploration.required_step < 0).tolist():
-        attempts, place = attempts_at_required(exploration, index), required[index]
+        place = required[index]
         missed = Cluster("required_unreached", place.name, NO_POINTS, (), place.position[None])
-        details, tried = describe(exploration, attempts), enough(exploration, attempts)
+        details, tried = describe_required(exploration, index), required_tried(exploration, index)
         result.append(replace(missed, details=details, never_gates=not tried))
     return result
 

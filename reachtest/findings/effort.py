@@ -35,6 +35,28 @@ def enough(exploration: Exploration, attempts: int) -> bool:
     return attempts >= exploration.settings.effort
 
 
+def required_tried(exploration: Exploration, index: int) -> bool:
+    """Whether a required point can be called unreached: attempts near it mean something where a way is promised."""
+    return is_connected(exploration, index) and enough(exploration, attempts_at_required(exploration, index))
+
+
+def is_connected(exploration: Exploration, index: int) -> bool:
+    """Whether the nav-mesh promises a way from a spawn to a required point."""
+    known = exploration.required_connected
+    return bool(known[index]) if len(known) else True
+
+
+def describe_required(exploration: Exploration, index: int) -> tuple[str, ...]:
+    """What was tried to get to a required point, for people."""
+    attempts = attempts_at_required(exploration, index)
+    if is_connected(exploration, index):
+        return describe(exploration, attempts)
+    tries = f"{attempts} directed attempt{'s' * (attempts != 1)} did not get there"
+    return (
+        f"{tries}: inconclusive, the nav-mesh connects it to no spawn, so that nobody knows where to try",
+    )
+
+
 def describe(exploration: Exploration, attempts: int, goals: Ints | None = None) -> tuple[str, ...]:
     """What was tried to get to a place (an area of `goals` [n], if given), for people."""
     near = ""
@@ -53,11 +75,13 @@ def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> 
     """
     areas = open_areas(exploration, counts) if areas_too else []
     short = sum(not enough(exploration, attempts_at(exploration, area)) for area in areas)
-    untried = [
-        index
-        for index in np.flatnonzero(exploration.required_step < 0).tolist()
-        if not enough(exploration, attempts_at_required(exploration, index))
+    open_ = [
+        i
+        for i in np.flatnonzero(exploration.required_step < 0).tolist()
+        if not required_tried(exploration, i)
     ]
+    untried = [i for i in open_ if is_connected(exploration, i)]
+    astray = len(open_) - len(untried)
     effort = f"fewer than {exploration.settings.effort} directed attempts (explore.effort) were made"
     missing = []
     if short:
@@ -65,6 +89,9 @@ def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> 
     if untried:
         missing.append(f"at {len(untried)} required point{'s' * (len(untried) != 1)} {effort}")
     steps = steps_to_go(exploration, counts) if missing else None
+    if astray:
+        where = f"{astray} required point{'s' * (astray != 1)} that the nav-mesh connects to no spawn"
+        missing.append(f"{where} {'were' if astray != 1 else 'was'} not reached")
     if steps:
         missing.append(f"that is likely to take {steps:,} more steps (an estimate)")
     return missing
@@ -81,9 +108,8 @@ def steps_to_go(exploration: Exploration, counts: Bools) -> int | None:
     left, late = int((times < 0).sum()), int((times > exploration.agent_steps * 2 / 3).sum())
     at_rate = left * exploration.agent_steps / 3 / late if late else 0.0
     tries = [attempts_at(exploration, area) for area in open_areas(exploration, counts)]
-    tries += [
-        attempts_at_required(exploration, i) for i in np.flatnonzero(exploration.required_step < 0).tolist()
-    ]
+    missed = np.flatnonzero(exploration.required_step < 0).tolist()
+    tries += [attempts_at_required(exploration, i) for i in missed if is_connected(exploration, i)]
     short = sum(max(0, s.effort - done) for done in tries)
     attempts = short / s.directed * s.reset_interval if s.directed else 0.0
     digits = -3 if max(at_rate, attempts) > 10_000 else 0

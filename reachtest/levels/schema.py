@@ -21,7 +21,15 @@ from reachtest.levels.presets import DEFAULTS, PRESETS
 from reachtest.levels.primitives import PRIMITIVES, AlignedBox
 from reachtest.records import KINDS, SEVERITIES, Character, ExploreSettings
 
-FAIL_ON = ("unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "required_unreached")
+FAIL_ON = (
+    "unexpected_area",
+    "fell_out_of_world",
+    "inside_solid",
+    "forbidden_zone",
+    "stuck",
+    "required_unreached",
+    "unreached_area",
+)
 _EXPLORE = ExploreSettings()
 
 UpAxis = Annotated[str, OneOf(UP_AXES)]

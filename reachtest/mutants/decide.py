@@ -68,8 +68,10 @@ def opened(ground: Ground, mutated: Level, box: Box) -> Change:
 def cut_off(ground: Ground, mutated: Level, box: Box) -> Change:
     """The goals that geometry added at `box` cuts off, wherever they are."""
     who = mutated.character
-    field = build_field(mutated.collision, who, ground.field.grid, mutated.kill_z_m, ground.top_m)
     spawns = np.array([spawn.position for spawn in mutated.spawns])
+    if _gets_past(ground, mutated, box, spawns):
+        return Change((), np.zeros((0, 3)))
+    field = build_field(mutated.collision, who, ground.field.grid, mutated.kill_z_m, ground.top_m)
     reached = reach(field, moves_of(field), who, spawn_places(field, spawns), POSSIBLE)
     after = field.positions[reached]
     before = ground.field.positions[ground.walked]
@@ -79,6 +81,21 @@ def cut_off(ground: Ground, mutated: Level, box: Box) -> Change:
     goals &= _near(ground.goals, lost, within)
     real = len(lost) * ground.field.grid.cell_m**2 >= _LEAST_LOST_M2 and goals.any()
     return Change(("lost",) if real else (), lost if real else lost[:0])
+
+
+def _gets_past(ground: Ground, mutated: Level, box: Box, spawns: Floats) -> bool:
+    """Whether one possibly gets past a barrier within some metres of it: cheap, before the whole level is asked."""
+    low, high = box.bounds
+    who, known = mutated.character, ground.field
+    barred = box.contains(known.positions, who.radius_m)
+    still = ground.moves.flood(spawn_places(known, spawns), barred)
+    lost = ground.walked[~still[ground.walked] & ~barred[ground.walked]]
+    lost = lost[(np.abs(known.positions[lost] - box.centre) < _AROUND[0] / 2).all(axis=1)]
+    grid = window(known.grid, low - _AROUND, high + _AROUND)
+    field = build_field(mutated.collision, who, grid, mutated.kill_z_m, ground.top_m)
+    seeds = np.flatnonzero(_near(field.positions, known.positions[still & ground.sure], _SAME_M))
+    reached = reach(field, moves_of(field), who, seeds, POSSIBLE)
+    return bool(_near(known.positions[lost], field.positions[reached], _SAME_M).all())
 
 
 def _leads_back(ground: Ground, field: Field, trapped: Bools, box: Box) -> bool:

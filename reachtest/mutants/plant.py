@@ -22,7 +22,10 @@ KINDS: dict[str, tuple[Planter, Judge]] = {
     "raised step": (steps, cut_off),
     "pit": (drawn(pit), opened),
 }
-_JUDGED = 25  # planted in vain, before a level is taken to have no place for a kind
+_IN_VAIN: dict[Judge, int] = {
+    opened: 25,
+    cut_off: 10,
+}  # planted, before a level is taken to have no (further) place for a kind
 _APART_M = 2.0  # mutants of one kind
 
 
@@ -42,5 +45,5 @@ def plant(ground: Ground, kind: str, seed: int) -> Iterator[tuple[Planted, Chang
         change = judge(ground, planted.level, planted.mutant.box)
         yield planted, change
         in_vain = 0 if change.reasons else in_vain + 1
-        if in_vain == _JUDGED:
+        if in_vain == _IN_VAIN[judge]:
             return

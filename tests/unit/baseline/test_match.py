@@ -60,7 +60,10 @@ def test_without_exits_the_boxes_count() -> None:
         return at(kind="unreached_area", low=low, high=high)
 
     known = [area([0, 0, 0], [10, 10, 0])]
-    assert match([area([8, 8, 0], [30, 30, 0]), area([40, 0, 0], [41, 1, 0])], known) == [0, None]
+    assert match([area([4, 4, 0], [14, 14, 0]), area([40, 0, 0], [41, 1, 0])], known) == [0, None]
+    assert match([area([2, 2, 0], [4, 4, 0])], [area([-200, -200, 0], [300, 100, 0])]) == [
+        None
+    ]  # somewhere in it
     assert match([area([0, 0, 0], [1, 1, 1])], []) == [None]
     assert match([], known) == []
 

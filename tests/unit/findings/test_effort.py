@@ -65,6 +65,20 @@ def test_a_required_point_gates_after_as_much_effort(attempts: int, name: str) -
     assert [f.gating for f in found if f.kind == "required_unreached"] == [name == "fail"]
 
 
+def test_a_required_point_that_the_navmesh_connects_to_nothing_is_inconclusive_however_much_was_tried() -> (
+    None
+):
+    where = replace(LEVEL, gate=replace(LEVEL.gate, min_goals_reached=0.5))
+    astray = np.array([False])
+    result = after([0, 0, 0, 0], required_attempts=30_000, required=-1, required_connected=astray)
+    verdict, found = outcome(result, where)
+    assert (verdict.name, verdict.exit_code) == ("inconclusive", 4)
+    assert "1 required point that the nav-mesh connects to no spawn was not reached" in verdict.reason
+    (point,) = (f for f in found if f.kind == "required_unreached")
+    assert not point.gating
+    assert "30000 directed attempts" in point.details[0]
+
+
 def test_a_share_of_goals_that_need_not_be_reached_does_not_gate() -> None:
     where = replace(LEVEL, gate=replace(LEVEL.gate, min_goals_reached=0.5))
     verdict, (area,) = outcome(after([0, 99, 99, 0]), where)

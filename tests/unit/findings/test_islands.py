@@ -30,7 +30,7 @@ GATED = replace(ROOFED, gate=replace(ROOFED.gate, fail_on=("unreached_area",)))
 
 def run(place, reached, points=()):
     result = exploration([(p, None, True) for p in points], goals=GOALS, reached=reached)
-    tried = {"goal_attempts": np.full(5, 64), "goal_border_m": np.zeros(5)}  # enough to call them unreached
+    tried = {"goal_attempts": np.full(5, 256), "goal_border_m": np.zeros(5)}  # enough to call them unreached
     result = replace(result, **tried)
     survey = Survey(place, result)
     findings = find(place, result, Paths(), survey)

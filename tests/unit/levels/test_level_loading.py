@@ -29,7 +29,9 @@ def test_small_level_has_everything_in_place(write_level: WriteLevel) -> None:
         "fell_out_of_world",
         "inside_solid",
         "forbidden_zone",
+        "stuck",
         "required_unreached",
+        "unreached_area",
     )
 
 

@@ -67,10 +67,10 @@ def test_an_unreached_area_counts_where_the_door_cut_off() -> None:
 
 
 def test_a_blocked_room_is_new_though_islands_all_over_the_level_were_known() -> None:
-    islands = dataclasses.replace(
-        finding("unreached_area", (0, 60, 9)), low=np.array([-90.0, -60, -9]), high=np.array([90.0, 60, 20])
-    )
-    room = finding("unreached_area", (25, 1, 0))
+    low, high = np.array([-90.0, -60, -9]), np.array([90.0, 60, 20])
+    islands = finding("unreached_area", (0, 60, 9))
+    islands = dataclasses.replace(islands, id="unreached_area-11111111", low=low, high=high)
+    room = finding("unreached_area", (5, 1, 0))  # near the middle of the islands' bounds
     assert found_by(DOOR, LOST, [islands, room], [islands]) is room
     assert found_by(DOOR, LOST, [islands], [islands]) is None
 
