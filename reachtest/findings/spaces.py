@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.findings.evidence import Evidence
-from reachtest.geometry import SurfaceIndex
 from reachtest.records import Floats, Ints
+from reachtest.surface import SurfaceIndex
 
 _TOUCH_M = 4.0  # cached standing places of one area are hardly farther apart
 _ON_MESH_M = 1.0  # erosion and float of a nav-mesh, and little else

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.geometry import SurfaceIndex
 from reachtest.mutants.field import Field, build_field, level_grid
 from reachtest.mutants.flood import POSSIBLE, SURE, reach, spawn_places
 from reachtest.mutants.moves import Moves, moves_of
 from reachtest.records import Bools, Floats, Ints, Level
+from reachtest.surface import SurfaceIndex
 
 ON_MESH_M = 0.5  # a nav-mesh floats, and ends a radius off the walls
 

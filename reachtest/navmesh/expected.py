@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.geometry import SurfaceIndex
 from reachtest.navmesh.islands import CLIMB_M
 from reachtest.records import Bools, Character, Floats, NavMesh
+from reachtest.surface import SurfaceIndex
 
 _CELL_PER_RADIUS = 0.5  # nav-mesh builders take a half to a third of the radius
 

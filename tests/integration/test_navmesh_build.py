@@ -16,12 +16,13 @@ from typer.testing import CliRunner
 
 from reachtest.cli import app
 from reachtest.errors import BadInput
-from reachtest.geometry import SurfaceIndex, triangle_normals
+from reachtest.geometry import triangle_normals
 from reachtest.levels import load_level
 from reachtest.navmesh.build import build_navmesh
 from reachtest.navmesh.islands import islands
 from reachtest.navmesh.settings import settings_for
 from reachtest.records import Floats, NavMesh
+from reachtest.surface import SurfaceIndex
 
 MAPS = Path(__file__).parents[2] / "maps" / "real"
 SHARED = Path(__file__).parents[3] / "shared" / "levels"

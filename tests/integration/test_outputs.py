@@ -14,7 +14,7 @@ from mcap_protobuf.decoder import DecoderFactory
 
 from reachtest import pipeline
 from reachtest.explore import Explorer, Replayer
-from reachtest.geometry import SurfaceIndex
+from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
 from tests.integration.test_cli import FILES, reachtest, yard
 

@@ -17,7 +17,14 @@ MODULES = {
     ".".join(("reachtest", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__"): path
     for path in sorted(PACKAGE.rglob("*.py"))
 }
-SHARED = {"reachtest", "reachtest.records", "reachtest.interfaces", "reachtest.errors", "reachtest.geometry"}
+SHARED = {
+    "reachtest",
+    "reachtest.records",
+    "reachtest.interfaces",
+    "reachtest.errors",
+    "reachtest.geometry",
+    "reachtest.surface",
+}
 SHARED |= {module for module in MODULES if module.startswith(TOOLBOX)}
 COMMAND_LINE = [module for module in MODULES if module.startswith(("reachtest.cli", "reachtest.commands"))]
 

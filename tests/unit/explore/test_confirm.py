@@ -9,8 +9,8 @@ import pytest
 
 from reachtest.explore.confirm import Confirmer
 from reachtest.explore.trials import Lane, run_lanes
-from reachtest.geometry import SurfaceIndex
 from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
+from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
 from tests.levels import EAST, NORTH, STILL, UNREAL, WEST, box, level
 

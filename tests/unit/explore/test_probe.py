@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from reachtest.explore import Explorer, Replayer
-from reachtest.geometry import SurfaceIndex
 from reachtest.records import Exploration, ExploreSettings, Floats, Level, NavMesh, StopReason
+from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
 from tests.levels import box, level
 

@@ -10,9 +10,9 @@ import pytest
 import trimesh
 from map_modules import MAPS, scripts, triangles_of
 
-from reachtest.geometry import SurfaceIndex
 from reachtest.levels import load_level
 from reachtest.records import Level
+from reachtest.surface import SurfaceIndex
 
 MAP = MAPS / "gym"
 

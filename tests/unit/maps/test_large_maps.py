@@ -17,8 +17,9 @@ import yaml
 from free_space import FreeSpace
 from map_modules import MAPS, scripts, triangles_of, z_up
 
-from reachtest.geometry import ColumnIndex, SurfaceIndex, triangle_normals
+from reachtest.geometry import ColumnIndex, triangle_normals
 from reachtest.levels import load_level
+from reachtest.surface import SurfaceIndex
 
 MAP = MAPS / "large"
 GRAVITY, WALK, JUMP, STEP = 9.8, 6.0, 4.2, 0.45  # the `unreal` preset

@@ -16,8 +16,8 @@ import pytest
 import trimesh
 import yaml
 
-from reachtest.geometry import SurfaceIndex
 from reachtest.levels import load_level
+from reachtest.surface import SurfaceIndex
 
 MAP = Path(__file__).parents[3] / "maps" / "small"
 GRAVITY, WALK, JUMP, STEP, RADIUS = 9.8, 6.0, 4.2, 0.45, 0.34  # the `unreal` preset

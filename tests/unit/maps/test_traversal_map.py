@@ -12,8 +12,9 @@ import trimesh
 import yaml
 from map_modules import MAPS, scripts, triangles_of, z_up
 
-from reachtest.geometry import ColumnIndex, SurfaceIndex, triangle_normals
+from reachtest.geometry import ColumnIndex, triangle_normals
 from reachtest.levels import load_level
+from reachtest.surface import SurfaceIndex
 
 MAP = MAPS / "traversal"
 GRAVITY, WALK, JUMP, STEP, RADIUS = 9.8, 6.0, 4.2, 0.45, 0.34  # the `unreal` preset

@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reachtest.geometry import SurfaceIndex, triangle_normals
+from reachtest.geometry import triangle_normals
 from reachtest.levels import PRESETS
 from reachtest.navmesh import build as build_module
 from reachtest.navmesh.build import build_navmesh, turned_over
 from reachtest.navmesh.islands import islands
 from reachtest.navmesh.settings import settings_for
 from reachtest.records import Floats, NavMesh
+from reachtest.surface import SurfaceIndex
 from tests.levels import box, slope
 
 WHO = PRESETS["unreal"]  # radius 0.34 m, height 1.76 m, step 0.45 m, slope 44.765 degrees

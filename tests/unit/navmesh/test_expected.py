@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reachtest.geometry import SurfaceIndex
 from reachtest.navmesh.expected import ExpectedSurface, floats_over
 from reachtest.records import NavAgent
+from reachtest.surface import SurfaceIndex
 from tests.levels import EAST, FLOOR, NORTH, NORTH_EAST, UNREAL, Walk, box, slope
 from tests.unit.navmesh.make import link, navmesh, rectangle
 

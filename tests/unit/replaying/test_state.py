@@ -14,8 +14,8 @@ import pytest
 
 from reachtest.errors import BadInput
 from reachtest.explore.outcome import Judge
-from reachtest.geometry import SurfaceIndex
 from reachtest.replaying.state import STATE_FILE, read_state, write_state
+from reachtest.surface import SurfaceIndex
 from tests.unit.report.make import make_finding, make_level, make_path
 
 LEVEL_TEXT = "version: 1\nname: hall\ngeometry:\n- {mesh: hall.glb}\nnavmesh: {mesh: nav.glb}\n"
