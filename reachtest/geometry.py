@@ -11,7 +11,7 @@ from reachtest.records import Bools, Floats, Ints
 
 _MAX_COLUMNS = 4_000_000  # keeps the dense column table of a 5 km level below 32 MB
 _PAIRS_AT_ONCE = 1 << 20  # bounds the memory of one vectorised pass to about 100 MB
-_SLIVER, _THIN = 1e-12, 1e-5  # height over length: no plane at all; a plane that is off by rounding
+_SLIVER = 1e-12  # height over length: no plane at all
 
 
 def indices(mask: Bools | np.bool_) -> Ints:

@@ -19,7 +19,7 @@ _BLOCKS_ALONE = 8  # of points; more are worth threads
 _MOST_PIECES = 1 << 18  # beside the triangles themselves: a second of preparation
 _FIRST_NEIGHBOURS = 4  # most points need no more; the others ask again for four times as many
 _SIZES, _SIZE_STEP = 4, float(np.log(3.0))  # pieces of one tree differ by this factor; the smallest share one
-_SLIVER, _THIN = 1e-12, 1e-5  # height over length: no plane at all; a plane that is off by rounding
+_THIN = 1e-5  # height over length: a plane that is off by rounding
 _ROUNDING_M = 1e-9  # of the bounds: far above that of coordinates, far below any distance that counts
 
 

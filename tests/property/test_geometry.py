@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from reachtest.geometry import (
     ColumnIndex,
-    SurfaceIndex,
     inside_closed_surface,
     point_triangle_distance,
     triangle_normals,
 )
+from reachtest.surface import SurfaceIndex
 
 Floats = NDArray[np.float64]
 
