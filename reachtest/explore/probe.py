@@ -27,7 +27,7 @@ SWEEPS = 6  # rounds of an episode from every trap first: most were merely found
 LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUMPS
 CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
 JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
-STEPS_SHARE = 0.25  # of the run's agent steps at most are probes
+STEPS_SHARE = 0.1  # of the run's agent steps at most are probes
 LEAST_STEPS = 100_000  # but enough for a few regions after a short run
 
 
