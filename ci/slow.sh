@@ -1,9 +1,16 @@
 #!/usr/bin/env bash
-# The long measurements behind the README's tables, run by hand: about half an hour on 2 cores.
-# usage: ci/slow.sh [small | real | agreement | threads]...   (default: all)
+# The long measurements behind the README's tables, run by hand: about an hour on 2 cores.
+# usage: ci/slow.sh [small | real | agreement | threads | gym | items | navmesh | risk]...   (default: all)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${REACHTEST_VENV:-.venv-check}/bin/python
 for part in "${@:-all}"; do
-  "$python" ci/measure.py "$part"
+  case $part in
+    gym) "$python" ci/gym.py ;;
+    items) "$python" ci/items.py ;;
+    navmesh) "$python" ci/navmesh_table.py ;;
+    risk) "$python" ci/risk.py ;;
+    all) "$python" ci/measure.py all && "$0" gym items navmesh risk ;;
+    *) "$python" ci/measure.py "$part" ;;
+  esac
 done
