@@ -49,9 +49,8 @@ class MujocoSimulator:
         self._columns = ColumnIndex(level.collision, min_normal_z=0.05)
         self._controller = Controller(level.character, self._dt)
         spawns = np.array([spawn.position for spawn in level.spawns])
-        starts = spawns[np.arange(agents) % len(spawns)]
         self._batch = TiledBatch(
-            level.collision, level.character, self._dt, starts, threads, tile_pieces, tiles_mb
+            level.collision, level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
         )
         self._position, self._velocity = self._batch.position, self._batch.velocity
         self._footing = np.zeros(agents)

@@ -28,13 +28,15 @@ class TiledBatch:
         triangles: Floats,
         character: Character,
         timestep_s: float,
-        starts: Floats,
+        spawns: Floats,
+        agents: int,
         threads: int,
         tile_pieces: int,
         tiles_mb: float,
     ) -> None:
-        """Cut `triangles` [F, 3, 3] into tiles; `starts` [B, 3] are in the open, and say which to compile first."""
-        self._pieces = pieces_of(triangles, starts)
+        """Cut `triangles` [F, 3, 3] into tiles for B `agents`; they begin on the tiles of `spawns` [S, 3]."""
+        starts = spawns[np.arange(agents) % len(spawns)]
+        self._pieces = pieces_of(triangles, spawns)
         self._partition = partition(self._pieces, margin_for(character, timestep_s), tile_pieces)
         self._template = Template(self._partition.capacity, character, timestep_s)
         self._models = TileModels(self._compile, tiles_mb)
