@@ -5,6 +5,8 @@ Shape legend: n queries, F triangles. Coordinates are metres, z up, float64.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from reachtest.records import Bools, Floats, Ints
@@ -97,8 +99,58 @@ def inside_closed_surface(points: Floats, triangles: Floats) -> Bools:
 def expand(counts: Ints) -> tuple[Ints, Ints]:
     """For ragged rows of `counts` items: the row of every item, and its place within the row."""
     row = np.repeat(np.arange(len(counts)), counts)
-    place = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return row, place
+    return row, np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def pack_cells(cells: Ints) -> Ints:
+    """One integer [n] for each cell [n, 3] of a grid, from -2^20 to 2^20 along each axis: 1,000 km at 1 m."""
+    whole = cells + (1 << 20)
+    return np.asarray((whole[:, 0] << 42) | (whole[:, 1] << 21) | whole[:, 2], dtype=np.int64)
+
+
+class Columns:
+    """Triangles by the cells of a horizontal grid: each stands in every cell within `reach_m` of its box."""
+
+    def __init__(self, triangles: Floats, reach_m: float, cell_m: float) -> None:
+        """Index triangles [F, 3, 3]; the cells are as small as `cell_m` where that is not too many of them."""
+        flat = triangles[:, :, :2]
+        low, high = flat.min(axis=1) - reach_m, flat.max(axis=1) + reach_m
+        self._low = low.min(axis=0) if len(flat) else np.zeros(2)
+        extent = high.max(axis=0) - self._low if len(flat) else np.zeros(2)
+        self._cell = max(cell_m, float(np.sqrt(extent.prod() / _MAX_COLUMNS)))
+        self._shape = (extent // self._cell).astype(np.int64) + 1
+        first = ((low - self._low) // self._cell).astype(np.int64)
+        span = ((high - self._low) // self._cell).astype(np.int64) - first + 1
+        row, place = expand(span.prod(axis=1))
+        key = (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
+        order = np.argsort(key, kind="stable")
+        self._members = row[order].astype(np.int32)
+        self._start = np.searchsorted(key[order], np.arange(self._shape.prod() + 1))
+
+    def near(self, points: Floats) -> tuple[Ints, Ints]:
+        """The pairs of a point [n, 3] and a triangle in its cell: rows, triangles."""
+        begin, counts = self._cells(points)
+        row, place = expand(counts)
+        return row, self._members[begin[row] + place]
+
+    def pairs(self, points: Floats) -> Iterator[tuple[int, int, Ints, Ints]]:
+        """The same of many points [n, 3], a slice at a time: begin, end, rows within the slice, triangles."""
+        starts, counts = self._cells(points)
+        total, begin = np.cumsum(counts), 0
+        while begin < len(points):
+            done = total[begin - 1] if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS_AT_ONCE)))
+            row, place = expand(counts[begin:end])
+            yield begin, end, row, self._members[starts[begin:end][row] + place]
+            begin = end
+
+    def _cells(self, points: Floats) -> tuple[Ints, Ints]:
+        """Where the members of each point's cell begin [n], and how many they are [n]."""
+        cell = ((points[:, :2] - self._low) // self._cell).astype(np.int64)
+        known = ((cell >= 0) & (cell < self._shape)).all(axis=1)
+        key = np.where(known, cell[:, 0] * self._shape[1] + cell[:, 1], 0)
+        begin = self._start[key]
+        return begin, np.where(known, self._start[key + 1] - begin, 0)
 
 
 class ColumnIndex:
@@ -110,23 +162,9 @@ class ColumnIndex:
         keep = (np.abs(normals[:, 2]) >= min_normal_z) & (areas > 0)
         self._triangles = triangles[keep]
         self._slope = np.abs(normals[keep, 2])
-        flat = self._triangles[:, :, :2]
-        self._low = flat.min(axis=(0, 1)) if len(flat) else np.zeros(2)
-        extent = (flat.max(axis=(0, 1)) if len(flat) else np.zeros(2)) - self._low
-        self._cell = max(cell_m, float(np.sqrt(extent[0] * extent[1] / _MAX_COLUMNS)))
-        self._shape = (extent // self._cell).astype(np.int64) + 1
-        first = ((flat.min(axis=1) - self._low) // self._cell).astype(np.int64)
-        last = ((flat.max(axis=1) - self._low) // self._cell).astype(np.int64)
-        span = last - first + 1
-        row, place = expand(span.prod(axis=1))
-        column = (
-            (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
-        )
-        order = np.argsort(column, kind="stable")
-        self._members = row[order].astype(np.int32)
-        self._start = np.searchsorted(column[order], np.arange(self._shape.prod() + 1))
+        self._columns = Columns(self._triangles, 0.0, cell_m)
         # Solved once: barycentric weights and height are linear in (x, y).
-        a, b, c = flat[:, 0], flat[:, 1], flat[:, 2]
+        a, b, c = self._triangles[:, :, :2].swapaxes(0, 1)
         self._origin, self._u, self._v = a, b - a, c - a
         self._inverse = 1.0 / _cross2(self._u, self._v)
 
@@ -137,12 +175,7 @@ class ColumnIndex:
         """
         found = np.full(len(points), -np.inf)
         slope = np.zeros(len(points))
-        cell = ((points[:, :2] - self._low) // self._cell).astype(np.int64)
-        ok = ((cell >= 0) & (cell < self._shape)).all(axis=1)
-        key = np.where(ok, cell[:, 0] * self._shape[1] + cell[:, 1], 0)
-        counts = np.where(ok, self._start[key + 1] - self._start[key], 0)
-        row, place = expand(counts)
-        tri = self._members[self._start[key[row]] + place]
+        row, tri = self._columns.near(points)
         away = points[row, :2] - self._origin[tri]
         s = _cross2(away, self._v[tri]) * self._inverse[tri]
         t = _cross2(self._u[tri], away) * self._inverse[tri]

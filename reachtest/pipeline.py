@@ -20,6 +20,7 @@ from reachtest.interfaces import Observer, Simulator
 from reachtest.levels import load_level
 from reachtest.logs import McapLog
 from reachtest.navmesh.allowed import expected_surface
+from reachtest.navmesh.islands import Islands
 from reachtest.navmesh.survey import Survey
 from reachtest.records import Level, Report, StopReason
 from reachtest.replaying.state import write_state
@@ -66,14 +67,14 @@ def run(
     folder = options.out or Path("reachtest-out") / level.name
     _make_folder(folder)
     simulator = SIMULATORS[options.simulator](level, level.explore.lanes, options.threads)
-    surface = expected_surface(level)
+    surface, islands = expected_surface(level), Islands(level.navmesh)
     round_s = level.explore.reset_interval * simulator.step_s
     with McapLog(folder / "run.mcap", level, round_s) as log:
-        explorer = Explorer(level, simulator, surface, options.seed, [*observers, log], interrupted)
+        explorer = Explorer(level, simulator, surface, options.seed, [*observers, log], interrupted, islands)
         exploration = explorer.run()
         replayer = Replayer(level, simulator, exploration.points, options.seed, exploration.headings)
         replayer.check()
-        survey = Survey(level, exploration)
+        survey = Survey(level, exploration, islands)
         confirmer = Confirmer(level, simulator, surface, options.seed, _simulate(options))
         findings = confirmer.confirm(find(level, exploration, replayer, survey))
         log.finish(findings)

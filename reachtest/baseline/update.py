@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -11,6 +10,7 @@ from pathlib import Path
 from reachtest.baseline.document import Document, Entry, dump, items, parse
 from reachtest.baseline.place import match
 from reachtest.errors import BadInput, Problem
+from reachtest.files import write_whole
 from reachtest.results import FoundBefore, Result
 
 
@@ -127,10 +127,8 @@ def _with(text: str, document: Document, kept: tuple[Entry, ...], added: tuple[E
 
 
 def _write(file: Path, text: str) -> None:
-    part = file.with_name(f".{file.name}.part")
     try:
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, file)
+        write_whole(file, lambda part: part.write_text(text, encoding="utf-8"))
     except OSError as error:
         found = f"'{file}' cannot be written: {error.strerror}"
         raise BadInput([Problem("command line: --file", found, "name a file that can be written")]) from error

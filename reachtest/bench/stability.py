@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from reachtest import pipeline
+from reachtest.baseline.place import Place, match
 from reachtest.bench.truth import PlantedBug, planted_bugs
-from reachtest.mutants.places import same_place
 from reachtest.records import Finding, Floats
 
 
@@ -76,7 +76,7 @@ def same_bugs(found: Sequence[Sequence[Finding]], to_source: Callable[[Floats], 
     first: list[Finding] = []
     seen: list[list[int]] = []
     for seed, findings in enumerate(found):
-        known = same_place(findings, first)
+        known = match([Place.of(f) for f in findings], [Place.of(f) for f in first])
         for finding, which in zip(findings, known, strict=True):
             if which is None:
                 first.append(finding)

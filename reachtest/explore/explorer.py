@@ -26,6 +26,7 @@ from reachtest.explore.risk import is_done
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.interfaces import Observer, Simulator, Surface
 from reachtest.navmesh.coverage import goal_islands
+from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Exploration, Ints, Level, Points, RoundRecord, StopReason
 
 STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight steps at the least
@@ -42,14 +43,19 @@ class Explorer:
         seed: int,
         observers: Sequence[Observer] = (),
         interrupted: Callable[[], StopReason | None] = lambda: None,
+        islands: Islands | None = None,
     ) -> None:
-        """`surface` tells expected from unexpected positions; `interrupted` is asked after every round."""
+        """`surface` tells expected from unexpected positions; `interrupted` is asked after every round.
+
+        `islands` are those of the level's nav-mesh, where they were worked out before.
+        """
         self._level, self._settings, self._seed = level, level.explore, seed
         self._simulator = simulator
         self._observers, self._interrupted = observers, interrupted
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
+        self._islands = islands or Islands(level.navmesh)
         self._wanted, self._required_connected = self._worth()
         self._aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
         self._headings: list[NDArray[np.int8]] = []
@@ -63,7 +69,10 @@ class Explorer:
         points, headings = ledger.archive.points(), self._round_headings()
         replayer = Replayer(self._level, self._simulator, points, self._seed, headings)
         explored = time.monotonic()
-        probed = self._probe(stop, replayer, points)
+        probed = Probed((), 0, 0)
+        if stop not in (StopReason.INTERRUPTED, StopReason.TERMINATED):  # somebody waits for the end
+            probed = self._probe(replayer, points)
+            stop = self._interrupted() or stop
         probe = time.monotonic() - explored
         wall = explored - self._began
         physics, cache = self._physics_s, ledger.cache_s
@@ -106,13 +115,11 @@ class Explorer:
         """The headings of all lanes in all rounds [rounds, lanes]."""
         return np.array(self._headings, dtype=np.int8).reshape(-1, self._settings.lanes)
 
-    def _probe(self, stop: StopReason, replayer: Replayer, points: Points) -> Probed:
-        """Look for pockets, unless somebody waits for the end."""
-        if stop in (StopReason.INTERRUPTED, StopReason.TERMINATED):
-            return Probed((), 0, 0)
-        ledger = self._ledger
-        prober = Prober(self._level, self._simulator, ledger.transitions, replayer, self._seed, ledger.rounds)
-        return prober.run(points)
+    def _probe(self, replayer: Replayer, points: Points) -> Probed:
+        """Look for pockets."""
+        known, number = self._ledger.transitions, self._ledger.rounds
+        prober = Prober(self._level, self._simulator, known, replayer, self._seed, number)
+        return prober.run(points, self._islands, lambda: self._interrupted() is not None)
 
     @property
     def bytes_per_point(self) -> float:
@@ -124,7 +131,7 @@ class Explorer:
         which required points [R] the nav-mesh connects to a spawn."""
         goals, count = self._ledger.goals.goals, len(self._ledger.on_navmesh)
         spawns = np.array([spawn.position for spawn in self._level.spawns])
-        islands = goal_islands(self._level.navmesh, spawns, goals)
+        islands = goal_islands(self._islands, spawns, goals)
         worth = islands.goals_count
         worth[count:] = True
         island = islands.goal_island[count:]

@@ -38,6 +38,25 @@ class _Trail:
         steps = np.arange(len(self.positions))[:, None]
         return np.maximum.accumulate(np.where(np.isfinite(self.positions[:, :, 0]), steps, -1), axis=0)
 
+    def at(self, rolled: Trajectories, parents: Ints, t: Ints, b: Ints) -> Floats:
+        """The last positions [n, 3] on the way to steps t [n] of lanes b [n], those included."""
+        step = self.latest[t, b]
+        during = step >= rolled.start[t, b]
+        result = np.empty((len(t), 3))
+        result[during] = self.positions[step[during], b[during]]
+        before = ~during
+        result[before] = _of(parents[rolled.which[t, b], b][before], self.archived, self.spawned)
+        return result
+
+
+def _of(parents: Ints, archived: Callable[[Ints], Floats], spawned: Floats) -> Floats:
+    """Rows [..., k] of `parents`: of cached points, or of spawn i [S, k] for -1 - i."""
+    at_spawn = parents < 0
+    result = np.empty((*parents.shape, spawned.shape[1]))
+    result[at_spawn] = spawned[-1 - parents[at_spawn]]
+    result[~at_spawn] = archived(parents[~at_spawn])
+    return result
+
 
 class Ledger:
     """Cached points with all that belongs to them, visits, goals and falls."""
@@ -47,14 +66,14 @@ class Ledger:
         s = level.explore
         self._settings, self._surface, self._spawns = s, surface, spawns
         self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
-        self._cache = PositionCache(s.threshold_m)
+        self.cache = PositionCache(s.threshold_m)
         self._columns = ColumnIndex(level.collision)
-        self.archive = Archive(self._cache, spawns.shape[1])
+        self.archive = Archive(self.cache, spawns.shape[1])
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
         self.transitions = Transitions(s.threshold_m)
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
-        self._goals = self._all_goals(level)
+        self.goals = self._all_goals(level)  # on the nav-mesh, then required points
         self.falls: list[Fall] = []
         self.cache_s = 0.0  # wall-clock time in the cache
         self.rounds = self.steps = self.episodes = self.diverged = 0
@@ -62,28 +81,18 @@ class Ledger:
     @property
     def goal_step(self) -> Ints:
         """Agent step at which each nav-mesh goal [G] was reached; -1 where it was not."""
-        return self._goals.reached_step[: len(self.on_navmesh)]
+        return self.goals.reached_step[: len(self.on_navmesh)]
 
     @property
     def required_step(self) -> Ints:
         """Likewise for the level's required points [R]."""
-        return self._goals.reached_step[len(self.on_navmesh) :]
-
-    @property
-    def goals(self) -> GoalSet:
-        """Goals on the nav-mesh, then required points."""
-        return self._goals
-
-    @property
-    def cache(self) -> PositionCache:
-        """The cached positions."""
-        return self._cache
+        return self.goals.reached_step[len(self.on_navmesh) :]
 
     def candidates(self) -> Candidates:
         """What the reset heuristics may know of the cached points."""
         return Candidates(
             visits=self.visits.of(self.archive.cells),
-            goal_distance=self._goals.distances(self._cache.positions),
+            goal_distance=self.goals.distances(self.cache.positions),
             off_mesh_m=self.archive.off_mesh_m,
             expected_within_m=self._settings.expected_within_m,
             grounded=self.archive.grounded,
@@ -91,19 +100,7 @@ class Ledger:
 
     def states_of(self, parents: Ints) -> Floats:
         """The states [..., S] of cached points, or of spawn i for -1 - i."""
-        spawned = parents < 0
-        states = np.empty((*parents.shape, self._spawns.shape[1]))
-        states[spawned] = self._spawns[-1 - parents[spawned]]
-        states[~spawned] = self.archive.states_of(parents[~spawned])
-        return states
-
-    def _footings_of(self, parents: Ints) -> Floats:
-        """Where the characters stood last at each of their starts [..., 3]."""
-        spawned = parents < 0
-        footings = np.empty((*parents.shape, 3))
-        footings[spawned] = self._spawn_positions[-1 - parents[spawned]]
-        footings[~spawned] = self.archive.footings_of(parents[~spawned])
-        return footings
+        return _of(parents, self.archive.states_of, self._spawns)
 
     def record(self, rolled: Trajectories, parents: Ints) -> Ints:
         """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
@@ -112,14 +109,15 @@ class Ledger:
         valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
         flat = rolled.positions.reshape(-1, 3)[valid]
         discovering = self.visits.add(flat, episode.ravel()[valid])
-        self.transitions.add(rolled, self._footings_of(parents), parents, self.rounds)
+        footings = _of(parents, self.archive.footings_of, self._spawn_positions)
+        self.transitions.add(rolled, footings, parents, self.rounds)
         began = time.monotonic()
-        order = valid[self._cache.insert(flat)]
+        order = valid[self.cache.insert(flat)]
         self.cache_s += time.monotonic() - began
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
         trails = self._trails(rolled, new)
         self._append(rolled, parents, new, trails)
-        self._goals.drain(flat, self.steps + valid + 1)
+        self.goals.drain(flat, self.steps + valid + 1)
         self._note_ends(rolled, parents, trails)
         self.steps += rolled.ended.size
         self.rounds += 1
@@ -137,7 +135,7 @@ class Ledger:
     def _append(self, rolled: Trajectories, parents: Ints, new: Ints, trails: tuple[_Trail, _Trail]) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        footings, exits = (self._last(rolled, parents, trail, t, b) for trail in trails)
+        footings, exits = (trail.at(rolled, parents, t, b) for trail in trails)
         self.archive.append(
             states=rolled.states[t, b],
             grounded=rolled.grounded[t, b],
@@ -163,24 +161,12 @@ class Ledger:
             _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exits_of, unknown),
         )
 
-    def _last(self, rolled: Trajectories, parents: Ints, trail: _Trail, t: Ints, b: Ints) -> Floats:
-        """The last positions [n, 3] of the trail on the way to steps t [n] of lanes b [n], those included."""
-        step = trail.latest[t, b]
-        during = step >= rolled.start[t, b]
-        parent = parents[rolled.which[t, b], b]
-        archived, spawned = ~during & (parent >= 0), ~during & (parent < 0)
-        result = np.empty((len(t), 3))
-        result[during] = trail.positions[step[during], b[during]]
-        result[archived] = trail.archived(parent[archived])
-        result[spawned] = trail.spawned[-1 - parent[spawned]]
-        return result
-
     def _note_ends(self, rolled: Trajectories, parents: Ints, trails: tuple[_Trail, _Trail]) -> None:
         """Count the round's episodes and remember its falls."""
         self.episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
         self.diverged += int((rolled.ended == EndReason.DIVERGED).sum())
         when, who = np.nonzero(rolled.ended == EndReason.FELL)
-        ways = [self._last(rolled, parents, trail, when, who) for trail in trails]
+        ways = [trail.at(rolled, parents, when, who) for trail in trails]
         for t, b, stood, left in zip(when.tolist(), who.tolist(), *ways, strict=True):
             parent = int(parents[rolled.which[t, b], b])
             origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)

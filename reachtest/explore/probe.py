@@ -5,10 +5,10 @@ Shape legend: B lanes, T agent steps of an episode, P cached points, N places of
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import JUMP_SHARE, action_stream, heading_of, start_generator
@@ -16,7 +16,9 @@ from reachtest.explore.regions import Region, Survey, Surveyor
 from reachtest.explore.replay import Replayer
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.explore.transitions import UNKNOWN, Transitions, footholds
+from reachtest.geometry import pack_cells
 from reachtest.interfaces import Simulator
+from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, EndReason, Fall, Floats, Ints, Level, Origin, Pocket, Points
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
@@ -77,19 +79,24 @@ class Prober:
         self._attempts: list[_Attempt] = []
         self._began: list[int] = []  # key of the cell where each attempt began
 
-    def run(self, points: Points) -> Probed:
-        """The pockets, with the cached points in them."""
-        surveyor = Surveyor(self._level)
+    def run(
+        self, points: Points, islands: Islands, interrupted: Callable[[], bool] = lambda: False
+    ) -> Probed:
+        """The pockets, with the cached points in them; those known by then, if `interrupted`.
+
+        `islands` are those of the level's nav-mesh.
+        """
+        surveyor = Surveyor(self._level, islands)
         survey = surveyor.survey(self._transitions.graph())
         few = self._simulator.agents // LANES_A_REGION
         for _ in range(SWEEPS):
-            if len(survey.regions) <= few or self._steps >= self._budget:
+            if len(survey.regions) <= few or self._steps >= self._budget or interrupted():
                 break
             self._sweep(survey)
             survey = surveyor.survey(self._transitions.graph(), survey.suspects)
-        while self._steps < self._budget and (
-            open_ := [r for r in survey.regions if not self._done(survey, r)]
-        ):
+        while self._steps < self._budget and not interrupted():
+            if not (open_ := [r for r in survey.regions if not self._done(survey, r)]):
+                break
             self._besiege(survey, open_[: max(1, few)])
             survey = surveyor.survey(self._transitions.graph(), survey.suspects)
         pockets = [
@@ -178,7 +185,7 @@ class Prober:
     def _note(self, positions: Floats, start: Floats) -> _Attempt:
         passed = positions[np.isfinite(positions[:, 0])]
         away = np.linalg.norm(passed - start, axis=1)
-        cells = np.unique(_pack(np.floor(passed / self._level.explore.threshold_m)))
+        cells = np.unique(pack_cells(np.floor(passed / self._level.explore.threshold_m).astype(np.int64)))
         return _Attempt(cells, float(away.max(initial=0.0)))
 
     def _back(self, survey: Survey, front: _Front) -> Ints:
@@ -236,9 +243,3 @@ def _last_footing(rolled: Trajectories, footings: Floats) -> Floats:
         if len(places):
             result[lane] = places[-1]
     return result
-
-
-def _pack(cells: Floats) -> NDArray[np.int64]:
-    """Cells [n, 3] as one integer each."""
-    whole = cells.astype(np.int64) + (1 << 20)
-    return np.asarray((whole[:, 0] << 42) | (whole[:, 1] << 21) | whole[:, 2], dtype=np.int64)

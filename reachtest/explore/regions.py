@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reachtest.explore.transitions import Graph
-from reachtest.navmesh.islands import island_of, islands
+from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
 
 STUCK_M = 4.0  # a trap that is no wider holds the character: 3 m and what two cells add to it
@@ -48,10 +48,10 @@ class Survey:
 class Surveyor:
     """Surveys transition graphs of one level."""
 
-    def __init__(self, level: Level) -> None:
-        self._level = level
+    def __init__(self, level: Level, islands: Islands) -> None:
+        self._islands = islands
         self._spawns = np.array([spawn.position for spawn in level.spawns])
-        self._labels: Ints | None = None
+        self._home_islands = np.setdiff1d(islands.of(self._spawns), -1)
 
     def survey(self, graph: Graph, suspects: Ints | None = None) -> Survey:
         """Regions of the transitions as they stand; if given, only those with some of `suspects` (keys).
@@ -92,12 +92,8 @@ class Surveyor:
 
     def _on_home_islands(self, graph: Graph, trapped: Ints) -> Bools:
         """Which of the places `trapped` [T] lead to the nav-mesh island of a spawn."""
-        navmesh = self._level.navmesh
-        if self._labels is None:
-            self._labels = islands(navmesh)
-        homes = np.setdiff1d(island_of(navmesh, self._labels, self._spawns), -1)
         on = np.zeros(len(graph.keys), dtype=np.bool_)
-        on[trapped] = np.isin(island_of(navmesh, self._labels, graph.places[trapped]), homes)
+        on[trapped] = np.isin(self._islands.of(graph.places[trapped]), self._home_islands)
         return graph.leads_to(on)[trapped]
 
 

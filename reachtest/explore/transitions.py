@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 
 from reachtest.explore.rollout import Trajectories
+from reachtest.geometry import pack_cells
 from reachtest.records import Bools, EndReason, Floats, Ints
 
 UNKNOWN = np.iinfo(np.int32).min
@@ -25,7 +26,6 @@ FLATTER = (
     2  # cells are half as high as wide: a ledge just too high to jump onto is another cell than its foot
 )
 _SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
-_OFFSET = 1 << 20
 _REST_M = (
     0.02  # moved less than this in each of two steps: at rest; the top of a jump is one such step at most
 )
@@ -80,8 +80,7 @@ class Transitions:
 
     def cells(self, positions: Floats) -> Ints:
         """The key [n] of the cell of each of `positions` [n, 3]."""
-        cell = np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64) + _OFFSET
-        return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
+        return pack_cells(np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64))
 
     def add(
         self, rolled: Trajectories, footings: Floats, parents: Ints | None = None, round_: int = 0

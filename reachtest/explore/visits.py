@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from reachtest.geometry import pack_cells
 from reachtest.records import Floats, Ints
-
-_OFFSET = 1 << 20  # cells are counted from -2^20: 1,000 km each way at K = 1 m
 
 
 class VisitCounts:
@@ -52,8 +51,7 @@ class VisitCounts:
         return self._once, self._twice, self._seen
 
     def _keys(self, positions: Floats) -> Ints:
-        cell = np.floor(positions / self._cell).astype(np.int64) + _OFFSET
-        return (cell[:, 0] << 42) | (cell[:, 1] << 21) | cell[:, 2]
+        return pack_cells(np.floor(positions / self._cell).astype(np.int64))
 
     def _ids(self, keys: Ints) -> Ints:
         table = self._index

@@ -10,13 +10,13 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from reachtest.geometry import expand
 from reachtest.mutants.boxes import Box
 from reachtest.mutants.field import Field
 from reachtest.mutants.flood import spawn_places
 from reachtest.mutants.ground import Ground
 from reachtest.mutants.moves import aside
 from reachtest.mutants.records import Mutant, Planted
-from reachtest.navmesh.columns import ragged
 from reachtest.records import Bools, Floats, Ints
 
 _WIDEST_M = 5.0  # a passage
@@ -127,7 +127,7 @@ def _way_round(ground: Ground, box: Box) -> bool:
     near = near[~box.contains(at[near], ground.level.character.radius_m)]
     number = np.full(len(at), -1)
     number[near] = np.arange(len(near))
-    row, place = ragged(np.diff(moves.start)[near])
+    row, place = expand(np.diff(moves.start)[near])
     there = number[moves.target[moves.start[near][row] + place]]
     row, there = row[there >= 0], there[there >= 0]
     graph = coo_matrix((np.ones(len(row), dtype=np.int8), (row, there)), shape=(len(near), len(near)))

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import cKDTree
 
+from reachtest.baseline.place import Place, match
 from reachtest.mutants.decide import Change
-from reachtest.mutants.places import same_place
 from reachtest.mutants.records import Mutant
 from reachtest.records import Bools, Finding, Floats
 
@@ -20,7 +20,7 @@ def found_by(
     mutant: Mutant, change: Change, findings: Sequence[Finding], without: Sequence[Finding]
 ) -> Finding | None:
     """The finding that tells the mutant, of those that the unmutated level does not give; None: it was missed."""
-    known = same_place(findings, without)
+    known = match([Place.of(f) for f in findings], [Place.of(f) for f in without])
     new = [finding for finding, old in zip(findings, known, strict=True) if old is None]
     telling = [finding for finding in new if finding.kind in mutant.expected and _at(mutant, change, finding)]
     return min(telling, key=lambda finding: mutant.expected.index(finding.kind), default=None)

@@ -82,7 +82,7 @@ def bare_solids(ground: Ground, rng: np.random.Generator) -> Iterator[Planted]:
         if (beside & (places[:, 2] < high[2] - _BESIDE_M)).sum() < _LEAST_BESIDE:
             continue
         level = with_collision(ground.level, np.delete(ground.level.collision, bodies[number], axis=0))
-        level = dataclasses.replace(level, solids=(*level.solids, Solid(_SOLID, body)))
+        level = dataclasses.replace(level, solids=(Solid(_SOLID, body), *level.solids))
         box = Box((low + high) / 2, (high - low) / 2)
         yield Planted(level, Mutant("bare solid", box, ("inside_solid", *FALLS)))
 

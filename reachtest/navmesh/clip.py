@@ -18,12 +18,6 @@ STILL = 1e-12  # [cells] a segment this short along an axis does not move: its s
 TOUCH = 1e-6  # [cells] what only touches a column is not in it: rounding of coordinates, well below any cell
 
 
-def expand(counts: Ints) -> tuple[Ints, Ints]:
-    """For ragged rows of `counts` items: the row of every item, and its place within the row."""
-    row = np.repeat(np.arange(len(counts)), counts)
-    return row, np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-
-
 def across(flat: Floats, strip: Ints) -> tuple[Floats, Floats, Floats, Floats]:
     """What of each triangle [S, 3, 2] lies in its strip x in [strip, strip + 1]: the y range [S], and the
     range that is in the triangle at every x of the strip (empty: low above high)."""

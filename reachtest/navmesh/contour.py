@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.navmesh.clip import expand
+from reachtest.geometry import expand
 from reachtest.navmesh.walkable import Places
 from reachtest.records import Bools, Floats, Ints
 

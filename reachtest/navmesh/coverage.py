@@ -11,7 +11,7 @@ import numpy as np
 
 from reachtest.geometry import triangle_normals
 from reachtest.navmesh.faces import FaceIndex
-from reachtest.navmesh.islands import connected_to, island_of, islands
+from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, NavMesh
 
 STOOD_WITHIN_M = 0.5  # of a face: the feet are on it, however it floats
@@ -23,8 +23,9 @@ class GoalIslands:
 
     labels: Ints  # [F] island of each face
     area_m2: Floats  # [I]
-    connected: Bools  # [I] to a spawn, over the surface and the nav-mesh's links
-    spawns_known: bool  # some spawn stands on the nav-mesh; if none does, every island counts as connected
+    connected: (
+        Bools  # [I] to a spawn, over the surface and the nav-mesh's links; all, if no spawn stands on it
+    )
     goal_island: Ints  # [G] -1 for none
 
     @property
@@ -33,19 +34,16 @@ class GoalIslands:
         return np.asarray((self.goal_island < 0) | self.connected[self.goal_island], dtype=np.bool_)
 
 
-def goal_islands(navmesh: NavMesh, spawns: Floats, goals: Floats) -> GoalIslands:
-    """The islands of a nav-mesh, of spawn positions [n, 3] and of goals [G, 3]."""
-    labels = islands(navmesh)
-    areas = triangle_normals(navmesh.triangles)[1]
-    count = int(labels.max()) + 1 if len(labels) else 0
-    connected = connected_to(navmesh, labels, spawns)
+def goal_islands(islands: Islands, spawns: Floats, goals: Floats) -> GoalIslands:
+    """What `islands` say of spawn positions [n, 3] and goals [G, 3]."""
+    areas = triangle_normals(islands.navmesh.triangles)[1]
+    connected = islands.connected_to(spawns)
     known = bool(connected.any())
     return GoalIslands(
-        labels=labels,
-        area_m2=np.bincount(labels, weights=areas, minlength=count).astype(np.float64),
-        connected=connected if known else np.ones(count, dtype=np.bool_),
-        spawns_known=known,
-        goal_island=island_of(navmesh, labels, goals),
+        labels=islands.labels,
+        area_m2=np.bincount(islands.labels, weights=areas, minlength=islands.count).astype(np.float64),
+        connected=connected if known else np.ones(islands.count, dtype=np.bool_),
+        goal_island=islands.of(goals),
     )
 
 

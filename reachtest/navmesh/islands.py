@@ -24,7 +24,7 @@ def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:
 
     Faces are of one island if they share an edge, or if their borders lie against each other: within 0.1 m
     horizontally and the agent's climb (`climb_m`, else the file's, else 0.6 m) vertically. Links do not merge
-    islands: see `connected_to`.
+    islands: see `Islands.connected_to`.
     """
     faces = len(navmesh.faces)
     if not faces:
@@ -40,30 +40,37 @@ def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:
     return np.asarray(rank[inverse.reshape(-1)], dtype=np.int64)
 
 
-def island_of(navmesh: NavMesh, labels: Ints, points: Floats) -> Ints:
-    """The island [n] that each of `points` [n, 3] stands on or next to; -1 for none."""
-    if not len(navmesh.faces):
-        return np.full(len(points), -1, dtype=np.int64)
-    face, _ = FaceIndex(navmesh.triangles, SPAWN_REACH_M).below(points, SPAWN_DOWN_M, CLIMB_M)
-    return np.where(face >= 0, labels[face], -1)
+class Islands:
+    """The islands of one nav-mesh, found by place."""
 
+    def __init__(self, navmesh: NavMesh) -> None:
+        self.navmesh = navmesh
+        self.labels = islands(navmesh)  # [F]
+        self.count = int(self.labels.max()) + 1 if len(self.labels) else 0
+        self._faces = FaceIndex(navmesh.triangles, SPAWN_REACH_M)
 
-def connected_to(navmesh: NavMesh, labels: Ints, points: Floats) -> Bools:
-    """Which islands [I] one gets to from `points` [n, 3] (spawns) by walking and by the nav-mesh's links.
+    def of(self, points: Floats) -> Ints:
+        """The island [n] that each of `points` [n, 3] stands on or next to; -1 for none."""
+        if not self.count:
+            return np.full(len(points), -1, dtype=np.int64)
+        face, _ = self._faces.below(points, SPAWN_DOWN_M, CLIMB_M)
+        return np.where(face >= 0, self.labels[face], -1)
 
-    A one-way link leads from its start to its end only.
-    """
-    count = int(labels.max()) + 1 if len(labels) else 0
-    reached = np.zeros(count, dtype=np.bool_)
-    at = island_of(navmesh, labels, points)
-    reached[at[at >= 0]] = True
-    ways = _ways(navmesh, labels)
-    while len(ways):
-        new = ways[reached[ways[:, 0]] & ~reached[ways[:, 1]], 1]
-        if not len(new):
-            break
-        reached[new] = True
-    return reached
+    def connected_to(self, points: Floats) -> Bools:
+        """Which islands [I] one gets to from `points` [n, 3] (spawns) by walking and by the nav-mesh's links.
+
+        A one-way link leads from its start to its end only.
+        """
+        reached = np.zeros(self.count, dtype=np.bool_)
+        at = self.of(points)
+        reached[at[at >= 0]] = True
+        ways = _ways(self.navmesh, self.labels)
+        while len(ways):
+            new = ways[reached[ways[:, 0]] & ~reached[ways[:, 1]], 1]
+            if not len(new):
+                break
+            reached[new] = True
+        return reached
 
 
 def link_islands(navmesh: NavMesh, labels: Ints) -> Ints:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.geometry import triangle_normals
-from reachtest.navmesh.columns import ragged
+from reachtest.geometry import expand, triangle_normals
 from reachtest.navmesh.faces import height_above
 from reachtest.records import Floats, Ints, NavMesh
 
@@ -38,7 +37,7 @@ def rasterise(navmesh: NavMesh, climb_m: float, most: int = MOST_SAMPLES) -> Sam
     grid = (triangles[:, :, :2] - navmesh.vertices[:, :2].min(axis=0)) / spacing
     first = np.ceil(grid.min(axis=1)).astype(np.int64)
     span = np.maximum(np.floor(grid.max(axis=1)).astype(np.int64) - first + 1, 0)
-    face, place = ragged(span.prod(axis=1))
+    face, place = expand(span.prod(axis=1))
     cell = first[face] + np.stack([place // span[face, 1], place % span[face, 1]], axis=1)
     points = np.zeros((len(cell), 3))
     points[:, :2] = navmesh.vertices[:, :2].min(axis=0) + cell * spacing
@@ -60,7 +59,7 @@ def _pairs(cell: Ints, z: Floats, rise_m: float) -> Ints:
     for across, along in ((0, 0), *_ACROSS):
         wanted = key + across * width + along
         begin = np.searchsorted(ordered, wanted)
-        row, place = ragged(np.searchsorted(ordered, wanted, side="right") - begin)
+        row, place = expand(np.searchsorted(ordered, wanted, side="right") - begin)
         other = order[begin[row] + place]
         keep = (np.abs(z[row] - z[other]) <= rise_m) & ((row < other) | ((across, along) != (0, 0)))
         found.append(np.stack([row[keep], other[keep]], axis=1))

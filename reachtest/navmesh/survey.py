@@ -12,6 +12,7 @@ import numpy as np
 
 from reachtest.navmesh.coverage import GoalIslands, goal_islands, stood_on
 from reachtest.navmesh.explained import explained_goals, without_visited
+from reachtest.navmesh.islands import Islands
 from reachtest.navmesh.promises import Promises, check_promises
 from reachtest.records import Bools, Exploration, Floats, Level
 
@@ -22,6 +23,7 @@ class Survey:
 
     level: Level
     exploration: Exploration
+    known: Islands | None = None  # of the level's nav-mesh, where they were worked out before
 
     @cached_property
     def stood(self) -> Floats:
@@ -32,7 +34,7 @@ class Survey:
     @cached_property
     def islands(self) -> GoalIslands:
         """The islands, and which goals are on which."""
-        return goal_islands(self.level.navmesh, self._spawns, self.exploration.goals)
+        return goal_islands(self.known or Islands(self.level.navmesh), self._spawns, self.exploration.goals)
 
     @cached_property
     def visited(self) -> Bools:

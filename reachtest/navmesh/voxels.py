@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.geometry import triangle_normals
-from reachtest.navmesh.clip import TOUCH, across, cut_heights, expand
+from reachtest.geometry import expand, triangle_normals
+from reachtest.navmesh.clip import TOUCH, across, cut_heights
 from reachtest.records import Bools, Floats, Ints
 
 TOP_BITS = 24  # of sort keys: heights of up to 16 million cells

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reachtest.files import write_whole
 from reachtest.records import Floats, Frame, NavMesh
 
 TYPES = (".glb", ".obj")
@@ -23,10 +24,10 @@ def write_navmesh(navmesh: NavMesh, frame: Frame, path: Path) -> None:
         raise ValueError(f"{path.name} is of type {kind!r}, not one of {', '.join(TYPES)}")
     points = _y_up(navmesh.vertices, frame) if kind == ".glb" else frame.to_source(navmesh.vertices)
     mesh = trimesh.Trimesh(points, navmesh.faces, process=False)
-    part = path.with_name(f".{path.name}.part")
     data = mesh.export(file_type=kind[1:])
-    part.write_bytes(data if isinstance(data, bytes) else data.encode("utf-8"))
-    part.replace(path)
+    write_whole(
+        path, lambda part: part.write_bytes(data if isinstance(data, bytes) else data.encode("utf-8"))
+    )
 
 
 def _y_up(points: Floats, frame: Frame) -> Floats:

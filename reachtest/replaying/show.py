@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
+from reachtest.files import write_whole
 from reachtest.logs import McapLog
 from reachtest.records import Finding, Floats, Level, ReplayPath, RoundRecord
 from reachtest.replaying.repeat import Repeated
@@ -57,11 +57,8 @@ def first_way(results: Sequence[Repeated]) -> Repeated:
 
 def with_place(path: Path, write: Callable[[Path], object]) -> None:
     """Call `write` with a temporary name beside `path` and give it the right one. Raises BadInput."""
-    part = path.with_name(f".{path.name}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(part)
-        os.replace(part, path)
+        write_whole(path, write)
     except OSError as error:
         raise _unwritable(path, error) from error
 

@@ -26,6 +26,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from reachtest import __version__
 from reachtest.errors import BadInput, Problem
 from reachtest.explore.outcome import Judge, Outcome
+from reachtest.files import write_whole
 from reachtest.levels import named_files
 from reachtest.records import Finding, Floats, Level
 
@@ -148,12 +149,7 @@ def write_state(
     arrays["meta"] = np.frombuffer(document.model_dump_json().encode(), dtype=np.uint8)
     stream = io.BytesIO()
     np.savez_compressed(stream, allow_pickle=False, **arrays)
-    path_ = folder / STATE_FILE
-    path_.parent.mkdir(exist_ok=True)
-    part = path_.with_name(f".{path_.name}.part")
-    part.write_bytes(stream.getvalue())
-    os.replace(part, path_)
-    return path_
+    return write_whole(folder / STATE_FILE, lambda part: part.write_bytes(stream.getvalue()))
 
 
 def read_state(folder: Path) -> State:

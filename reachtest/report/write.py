@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
+from reachtest.files import write_whole
 from reachtest.records import Report
 from reachtest.report import REPORTS, coverage
 
 
 def write_reports(report: Report, folder: Path) -> list[Path]:
     """Render `REPORTS` into `folder` (made if missing); returns the files written. Raises OSError."""
-    folder.mkdir(parents=True, exist_ok=True)
     texts = {name: render(report) for name, render in REPORTS.items()}
     return [_write(folder / name, text) for name, text in texts.items()]
 
@@ -22,8 +21,6 @@ def write_coverage(report: Report, folder: Path) -> Path:
 
 
 def _write(path: Path, text: str) -> Path:
-    part = path.with_name(f".{path.name}.part")
     # Names out of a level file may hold half a surrogate pair: lose that character, not the report.
-    part.write_bytes(text.encode("utf-8", errors="replace"))
-    os.replace(part, path)
-    return path
+    data = text.encode("utf-8", errors="replace")
+    return write_whole(path, lambda part: part.write_bytes(data))

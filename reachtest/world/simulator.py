@@ -169,6 +169,8 @@ class MujocoSimulator:
         """
         sensor = self._batch.sensor
         ids = indices(sensor[:, 1, 1] < -SQUEEZED_M)
+        if not len(ids):
+            return
         deep = (sensor[ids, :, 1] < -SQUEEZED_M) & (sensor[ids, :, 0] > 0)
         normals = np.where(deep[:, :, None], sensor[ids, :, 2:], 0.0)
         ids = ids[(normals @ normals.transpose(0, 2, 1)).min(axis=(1, 2), initial=0.0) < OPPOSED_COS]

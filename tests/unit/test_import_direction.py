@@ -22,6 +22,7 @@ SHARED = {
     "reachtest.records",
     "reachtest.interfaces",
     "reachtest.errors",
+    "reachtest.files",
     "reachtest.geometry",
     "reachtest.surface",
 }

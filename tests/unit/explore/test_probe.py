@@ -147,3 +147,13 @@ def test_nobody_waits_for_probes_after_an_interruption() -> None:
     asked = iter([None, None, StopReason.INTERRUPTED])
     result = explore(where, interrupted=lambda: next(asked))
     assert (result.pockets, result.probe_steps) == ((), 0)
+
+
+def test_who_interrupts_while_pockets_are_looked_for_does_not_wait_for_the_end() -> None:
+    where = yard(2.0, 3.0)
+    rounds = where.explore.steps // (where.explore.lanes * where.explore.reset_interval)
+    asked = iter([None] * rounds)
+    result = explore(where, interrupted=lambda: next(asked, StopReason.INTERRUPTED))
+    assert result.agent_steps == where.explore.steps
+    assert result.stop_reason is StopReason.INTERRUPTED
+    assert (result.probe_steps, result.pockets) == (0, ())

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from reachtest.levels import load_level
 from reachtest.navmesh.coverage import goal_islands
-from reachtest.navmesh.islands import connected_to, island_of, islands
+from reachtest.navmesh.islands import Islands, islands
 from reachtest.records import NavAgent
 from tests.unit.navmesh.make import REAL, SHARED, link, navmesh, rectangle
 
@@ -98,23 +98,25 @@ ROOF, CELLAR = rectangle((10, 0), (14, 4), z=5.0), rectangle((20, 0), (24, 4), z
 )
 def test_links_connect_islands_in_their_direction(links, reached: list[bool]) -> None:
     mesh = navmesh(ROOM, ROOF, CELLAR, links=links)
-    assert connected_to(mesh, islands(mesh), np.array([[1.0, 1, 0]])).tolist() == reached
+    assert Islands(mesh).connected_to(np.array([[1.0, 1, 0]])).tolist() == reached
 
 
 def test_the_end_of_a_link_may_lie_beside_the_surface() -> None:
     mesh = navmesh(ROOM, ROOF, links=[link((4.3, 2, 0.2), (9.8, 2, 5))])
-    assert connected_to(mesh, islands(mesh), np.array([[1.0, 1, 0]])).all()
+    assert Islands(mesh).connected_to(np.array([[1.0, 1, 0]])).all()
 
 
 def test_a_spawn_stands_on_what_is_straight_below_it() -> None:
     mesh = navmesh(rectangle((0, 0), (4, 4)), rectangle((0, 0), (4, 4), z=2.5))
     points = np.array([[1, 1, 0.02], [1, 1, 1.5], [1, 1, 4.5], [4.4, 1, 0.1], [9, 9, 0]])
-    assert island_of(mesh, islands(mesh), points).tolist() == [0, 0, 1, 0, -1]
+    assert Islands(mesh).of(points).tolist() == [0, 0, 1, 0, -1]
 
 
 def test_without_a_spawn_on_the_nav_mesh_nothing_is_called_unconnected() -> None:
-    found = goal_islands(navmesh(ROOM, ROOF), np.array([[50.0, 50, 0]]), np.array([[1.0, 1, 0], [11, 1, 5]]))
-    assert not found.spawns_known
+    found = goal_islands(
+        Islands(navmesh(ROOM, ROOF)), np.array([[50.0, 50, 0]]), np.array([[1.0, 1, 0], [11, 1, 5]])
+    )
+    assert found.connected.all()
     assert found.goals_count.all()
 
 
@@ -128,6 +130,8 @@ def test_without_a_spawn_on_the_nav_mesh_nothing_is_called_unconnected() -> None
 )
 def test_roofs_and_shells_of_real_levels_are_islands_of_their_own(name, spawned, area_m2) -> None:
     level = load_level(REAL / name / "level.yaml")
-    found = goal_islands(level.navmesh, np.array([s.position for s in level.spawns]), np.empty((0, 3)))
+    found = goal_islands(
+        Islands(level.navmesh), np.array([s.position for s in level.spawns]), np.empty((0, 3))
+    )
     assert found.connected.sum() == spawned
     assert found.area_m2[found.connected].sum() == pytest.approx(area_m2, abs=1)
