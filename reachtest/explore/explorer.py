@@ -62,20 +62,30 @@ class Explorer:
         self._began, self._physics_s = time.monotonic(), 0.0
 
     def run(self) -> Exploration:
-        """Explore until a budget ends or the run is interrupted."""
+        """Explore until a budget ends or the run is interrupted; then look for pockets, unless somebody waits."""
         while (stop := self._should_stop()) is None:
             self._one_round()
-        ledger = self._ledger
-        points, headings = ledger.archive.points(), self._round_headings()
-        replayer = Replayer(self._level, self._simulator, points, self._seed, headings)
         explored = time.monotonic()
-        probed = Probed((), 0, 0)
-        if stop not in (StopReason.INTERRUPTED, StopReason.TERMINATED):  # somebody waits for the end
-            probed = self._probe(replayer, points)
+        points, probed = self._ledger.archive.points(), Probed((), 0, 0)
+        if stop not in (StopReason.INTERRUPTED, StopReason.TERMINATED):
+            probed = self._probe(points)
             stop = self._interrupted() or stop
-        probe = time.monotonic() - explored
-        wall = explored - self._began
-        physics, cache = self._physics_s, ledger.cache_s
+        wall, probe = explored - self._began, time.monotonic() - explored
+        physics, cache = self._physics_s, self._ledger.cache_s
+        timing = {
+            "wall_s": wall,  # of the exploration: probes are not counted in its steps either
+            "physics_s": physics,
+            "cache_s": cache,
+            "rest_s": wall - physics - cache,
+            "probe_s": probe,
+        }
+        return self._exploration(points, probed, stop, timing)
+
+    def _exploration(
+        self, points: Points, probed: Probed, stop: StopReason, timing: dict[str, float]
+    ) -> Exploration:
+        ledger, aims = self._ledger, self._aims
+        count = len(ledger.on_navmesh)
         once, twice, cells = ledger.visits.incidence()
         return Exploration(
             points=points,
@@ -93,30 +103,25 @@ class Explorer:
             stop_reason=stop,
             seed=self._seed,
             settings=self._settings,
-            headings=headings,
-            goal_attempts=self._aims.attempts[: len(ledger.on_navmesh)],
-            goal_border_m=self._aims.border_m[: len(ledger.on_navmesh)],
-            required_attempts=self._aims.attempts[len(ledger.on_navmesh) :],
+            headings=self._round_headings(),
+            goal_attempts=aims.attempts[:count],
+            goal_border_m=aims.border_m[:count],
+            required_attempts=aims.attempts[count:],
             required_connected=self._required_connected,
             pockets=probed.pockets,
             probe_episodes=probed.episodes,
             probe_steps=probed.steps,
             risk_curve=ledger.risk.samples,
-            timing={
-                "wall_s": wall,  # of the exploration: probes are not counted in its steps either
-                "physics_s": physics,
-                "cache_s": cache,
-                "rest_s": wall - physics - cache,
-                "probe_s": probe,
-            },
+            timing=timing,
         )
 
     def _round_headings(self) -> NDArray[np.int8]:
         """The headings of all lanes in all rounds [rounds, lanes]."""
         return np.array(self._headings, dtype=np.int8).reshape(-1, self._settings.lanes)
 
-    def _probe(self, replayer: Replayer, points: Points) -> Probed:
+    def _probe(self, points: Points) -> Probed:
         """Look for pockets."""
+        replayer = Replayer(self._level, self._simulator, points, self._seed, self._round_headings())
         known, number = self._ledger.transitions, self._ledger.rounds
         prober = Prober(self._level, self._simulator, known, replayer, self._seed, number)
         return prober.run(points, self._islands, lambda: self._interrupted() is not None)
