@@ -117,10 +117,10 @@ class Columns:
         low, high = flat.min(axis=1) - reach_m, flat.max(axis=1) + reach_m
         self._low = low.min(axis=0) if len(flat) else np.zeros(2)
         extent = high.max(axis=0) - self._low if len(flat) else np.zeros(2)
-        self._cell = max(cell_m, float(np.sqrt(extent.prod() / _MAX_COLUMNS)))
-        self._shape = (extent // self._cell).astype(np.int64) + 1
-        first = ((low - self._low) // self._cell).astype(np.int64)
-        span = ((high - self._low) // self._cell).astype(np.int64) - first + 1
+        self._per_m = 1.0 / max(cell_m, float(np.sqrt(extent.prod() / _MAX_COLUMNS)))
+        self._shape = self._place(extent + self._low).astype(np.int64) + 1
+        first = self._place(low).astype(np.int64)
+        span = self._place(high).astype(np.int64) - first + 1
         row, place = expand(span.prod(axis=1))
         key = (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
         order = np.argsort(key, kind="stable")
@@ -130,8 +130,8 @@ class Columns:
     def near(self, points: Floats) -> tuple[Ints, Ints]:
         """The pairs of a point [n, 3] and a triangle in its cell: rows, triangles."""
         begin, counts = self._cells(points)
-        row, place = expand(counts)
-        return row, self._members[begin[row] + place]
+        row = np.arange(len(points)).repeat(counts)
+        return row, self._members[np.arange(len(row)) + (begin - counts.cumsum() + counts)[row]]
 
     def pairs(self, points: Floats) -> Iterator[tuple[int, int, Ints, Ints]]:
         """The same of many points [n, 3], a slice at a time: begin, end, rows within the slice, triangles."""
@@ -144,13 +144,20 @@ class Columns:
             yield begin, end, row, self._members[starts[begin:end][row] + place]
             begin = end
 
+    def _place(self, flat: Floats) -> Floats:
+        """Where `flat` [n, 2] lie in the grid; the whole part is the cell."""
+        return np.asarray((flat - self._low) * self._per_m, dtype=np.float64)
+
     def _cells(self, points: Floats) -> tuple[Ints, Ints]:
         """Where the members of each point's cell begin [n], and how many they are [n]."""
-        cell = ((points[:, :2] - self._low) // self._cell).astype(np.int64)
-        known = ((cell >= 0) & (cell < self._shape)).all(axis=1)
-        key = np.where(known, cell[:, 0] * self._shape[1] + cell[:, 1], 0)
+        place = self._place(points[:, :2])
+        known: Bools = np.asarray(((place >= 0) & (place < self._shape)).all(axis=1))
+        if not known.all():
+            place = np.where(known[:, None], place, 0.0)
+        cell = place.astype(np.int64)
+        key = cell[:, 0] * self._shape[1] + cell[:, 1]
         begin = self._start[key]
-        return begin, np.where(known, self._start[key + 1] - begin, 0)
+        return begin, (self._start[key + 1] - begin) * known
 
 
 class ColumnIndex:
@@ -160,34 +167,39 @@ class ColumnIndex:
         """Index the triangles [F, 3, 3] that are not walls: |normal z| >= `min_normal_z`."""
         normals, areas = triangle_normals(triangles)
         keep = (np.abs(normals[:, 2]) >= min_normal_z) & (areas > 0)
-        self._triangles = triangles[keep]
-        self._slope = np.abs(normals[keep, 2])
-        self._columns = Columns(self._triangles, 0.0, cell_m)
-        # Solved once: barycentric weights and height are linear in (x, y).
-        a, b, c = self._triangles[:, :, :2].swapaxes(0, 1)
-        self._origin, self._u, self._v = a, b - a, c - a
-        self._inverse = 1.0 / _cross2(self._u, self._v)
+        kept = triangles[keep]
+        self._columns = Columns(kept, 0.0, cell_m)
+        # Solved once: two of the barycentric weights and the height are linear in (x, y). One row a triangle, so
+        # that a lookup gathers once.
+        origin = kept[:, 0]
+        u, v = (kept[:, corner] - origin for corner in (1, 2))
+        inverse = 1.0 / _cross2(u, v)
+        s_xy = np.stack([v[:, 1], -v[:, 0]], axis=1) * inverse[:, None]
+        t_xy = np.stack([-u[:, 1], u[:, 0]], axis=1) * inverse[:, None]
+        z_xy = s_xy * u[:, 2:] + t_xy * v[:, 2:]
+        slope = np.abs(normals[keep, 2:])
+        self._solved = np.concatenate([origin, s_xy, t_xy, z_xy, slope], axis=1)  # [F, 10]
 
     def highest(self, points: Floats, down_m: float | Floats, up_m: float | Floats) -> tuple[Floats, Floats]:
         """Highest surface at (x, y) of each point [n, 3] with z in [z - down_m, z + up_m].
 
         Returns its z [n] [m], NaN where there is none, and the absolute z of its unit normal [n].
         """
-        found = np.full(len(points), -np.inf)
-        slope = np.zeros(len(points))
+        found, slope = np.full(len(points), np.nan), np.zeros(len(points))
         row, tri = self._columns.near(points)
-        away = points[row, :2] - self._origin[tri]
-        s = _cross2(away, self._v[tri]) * self._inverse[tri]
-        t = _cross2(self._u[tri], away) * self._inverse[tri]
-        z0 = self._triangles[tri, 0, 2]
-        z = z0 + s * (self._triangles[tri, 1, 2] - z0) + t * (self._triangles[tri, 2, 2] - z0)
+        solved = self._solved.take(tri, axis=0).T
+        x, y, _ = (points.take(row, axis=0) - solved[:3].T).T
+        s, t = x * solved[3] + y * solved[4], x * solved[5] + y * solved[6]
+        z = solved[2] + x * solved[7] + y * solved[8]
         low, high = (points[:, 2] - down_m)[row], (points[:, 2] + up_m)[row]
         edge = -1e-9  # so that a point on a shared edge belongs to one of the two at least
-        hit = (s >= edge) & (t >= edge) & (s + t <= 1 - edge) & (z >= low) & (z <= high)
-        np.maximum.at(found, row[hit], z[hit])
-        best = hit & (z == found[row])
-        slope[row[best]] = self._slope[tri[best]]
-        return np.where(np.isfinite(found), found, np.nan), slope
+        hit = indices((s >= edge) & (t >= edge) & (s + t <= 1 - edge) & (z >= low) & (z <= high))
+        upwards = hit[z[hit].argsort(kind="stable")]
+        found[row[upwards]], slope[row[upwards]] = (
+            z[upwards],
+            solved[9, upwards],
+        )  # the last one written stays
+        return found, slope
 
 
 def _cross2(a: Floats, b: Floats) -> Floats:

@@ -31,6 +31,8 @@ FAIL_ON = (
     "unreached_area",
 )
 _EXPLORE = ExploreSettings()
+# A run of fewer steps needs its fifty looks at the cache more than numpy needs long rows.
+LONG_RUN_STEPS, LONG_RUN_EPISODES = 400_000, 16
 
 UpAxis = Annotated[str, OneOf(UP_AXES)]
 PresetName = Annotated[str, OneOf(PRESETS)]
@@ -268,11 +270,14 @@ class ExploreSpec(Spec):
     )
     time_budget_s: float | None = Field(None, gt=0, le=30 * 86_400, description="The same [s].")
     # Steps of a round are kept as 16-bit numbers.
-    episodes_at_once: int = Field(
-        _EXPLORE.episodes_at_once,
+    episodes_at_once: int | None = Field(
+        None,
         ge=1,
         le=64,
-        description="Episodes of each agent between two looks at the cache; simulated side by side.",
+        description=(
+            "Episodes of each agent between two looks at the cache; simulated side by side. Default: "
+            f"{_EXPLORE.episodes_at_once}, and {LONG_RUN_EPISODES} from {LONG_RUN_STEPS:,} steps on."
+        ),
     )
     reset_interval: int = Field(
         _EXPLORE.reset_interval, ge=1, le=32_767, description="Episode [agent steps]."
@@ -334,9 +339,12 @@ class ExploreSpec(Spec):
 
     def settings(self) -> ExploreSettings:
         """The settings these values mean."""
-        values = self.model_dump(exclude={"time_budget", "time_budget_s"})
+        values = self.model_dump(exclude={"time_budget", "time_budget_s", "episodes_at_once"})
         budget = self.time_budget if self.time_budget is not None else self.time_budget_s
-        return ExploreSettings(**values, time_budget_s=budget)
+        usual = LONG_RUN_EPISODES if self.steps >= LONG_RUN_STEPS else _EXPLORE.episodes_at_once
+        return ExploreSettings(
+            **values, time_budget_s=budget, episodes_at_once=self.episodes_at_once or usual
+        )
 
 
 class GateSpec(Spec):

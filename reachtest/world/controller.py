@@ -65,19 +65,25 @@ def read_contacts(sensor: Floats, slope_cos: float, radius_m: float) -> Contacts
     ids = indices(blocking.any(axis=1))
     if not len(ids):
         return Contacts(normals, walkable, ids, np.empty((0, sensor.shape[1], 2)))
-    solid = blocking[ids] & ~_flush(normals[ids], sensor[ids, :, 1], walkable[ids], radius_m)
+    solid = blocking[ids]
+    _forget_flush(solid, normals[ids], sensor[ids, :, 1], walkable[ids], radius_m)
     scale = np.where(solid, 1.0 / np.maximum(length[ids], LEVEL_NXY), 0.0)
     return Contacts(normals, walkable, ids, normals[ids, :, :2] * scale[:, :, None])
 
 
-def _flush(normals: Floats, away: Floats, walkable: Bools, radius_m: float) -> Bools:
-    """Which contacts [n, K] lie in the plane of a walkable one: the upper edge of a ramp, a seam of a floor.
+def _forget_flush(solid: Bools, normals: Floats, away: Floats, walkable: Bools, radius_m: float) -> None:
+    """Take from the obstacles `solid` [n, K], in place, what lies in the plane of a walkable contact: the upper edge
+    of a ramp, a seam of a floor.
 
     What a sphere nearly touches a little ahead has a normal that leans back more than the ground's.
     """
-    reach = radius_m + away
+    leaning = solid & (normals[:, :, 2] > 0)
+    rows = indices(leaning.any(axis=1) & walkable.any(axis=1))
+    if not len(rows):
+        return
+    reach, normals = radius_m + away[rows], normals[rows]
     above = reach[:, None, :] - reach[:, :, None] * (normals @ normals.transpose(0, 2, 1))  # [n, K, K]
-    return np.asarray(((above < FLUSH_M) & walkable[:, None, :]).any(axis=2) & (normals[:, :, 2] > 0))
+    solid[rows] &= ~(leaning[rows] & ((above < FLUSH_M) & walkable[rows][:, None, :]).any(axis=2))
 
 
 class Controller:

@@ -145,6 +145,8 @@ class MujocoSimulator:
         if self.character.step_height_m > 0:
             self._step_up(plan, contacts, walked)
             self._snap_down(walked & (self._footing == 0))
+            if self._stale:
+                self._contacts = self._read()
 
     def _stop_at_floors(self, velocity: Floats) -> None:
         """No fall through a thin floor: who would fall past one within the tick falls onto it, in place.
@@ -238,19 +240,23 @@ class MujocoSimulator:
         self._footing[self._try_place(ids, lowered, still, on_ground=True)] = 1.0
 
     def _try_place(self, ids: Ints, positions: Floats, velocities: Floats, on_ground: bool = False) -> Ints:
-        """Move agents [n] where there is room (and ground, if asked); returns those that moved."""
+        """Move agents [n] where there is room (and ground, if asked); returns those that moved.
+
+        Contacts are to be read again afterwards.
+        """
         if not len(ids):
             return ids
         kept = self._position[ids], self._velocity[ids]
         self._position[ids], self._velocity[ids] = positions, velocities
-        self._refresh(ids)
+        self._batch.touch(ids)
+        self._stale = True
         free = self._deepest()[ids] > -OVERLAP_M
         if on_ground:
-            free &= self._contacts.walkable[ids].any(axis=1)
+            free &= (self._batch.sensor[ids, :, 4] <= -self._controller.slope_cos).any(axis=1)
         back = ids[~free]
         if len(back):
             self._position[back], self._velocity[back] = kept[0][~free], kept[1][~free]
-            self._refresh(back)
+            self._batch.touch(back)
         return ids[free]
 
     # --- contacts ---------------------------------------------------------------------------------
@@ -261,6 +267,7 @@ class MujocoSimulator:
         self._contacts = self._read()
 
     def _read(self) -> Contacts:
+        self._stale = False
         slope_cos, radius_m = self._controller.slope_cos, self.character.radius_m
         return read_contacts(self._batch.sensor, slope_cos, radius_m)
 

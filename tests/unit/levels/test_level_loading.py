@@ -147,3 +147,13 @@ def test_capsule_that_fits_the_defaults() -> None:
     for who in PRESETS.values():
         assert who.height_m >= 2 * who.radius_m
         assert math.isfinite(who.terminal_speed_mps)
+
+
+@pytest.mark.parametrize(
+    ("explore", "lanes"),
+    [({"steps": 399_999}, 128), ({"steps": 400_000}, 256), ({"steps": 400_000, "episodes_at_once": 3}, 48)],
+)
+def test_long_runs_simulate_more_episodes_side_by_side(
+    write_level: WriteLevel, explore: dict[str, int], lanes: int
+) -> None:
+    assert load_level(write_level(explore=explore)).explore.lanes == lanes
