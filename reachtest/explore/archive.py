@@ -46,17 +46,19 @@ class Places:
 class Archive:
     """Grows by batches; never changes what it holds. Row i belongs to point i of the cache."""
 
-    def __init__(self, cache: PositionCache, state_size: int) -> None:
+    def __init__(self, cache: PositionCache, state_size: int, lanes: int, interval: int) -> None:
+        """States of `state_size` numbers, from rounds of `lanes` episodes of at most `interval` agent steps."""
         self._cache, self._count = cache, 0
+        lane, step = np.min_scalar_type(lanes - 1), np.min_scalar_type(interval)  # a byte each, as a rule
         self._footings, self._exits = Places(), Places()
         self._columns: dict[str, NDArray[np.generic]] = {
             "motion": np.empty((1024, state_size - 3)),  # the state but for the position it begins with
             "grounded": np.empty(1024, dtype=np.bool_),
             "parent": np.empty(1024, dtype=np.int32),
             "round": np.empty(1024, dtype=np.int32),
-            "agent": np.empty(1024, dtype=np.int32),
-            "start": np.empty(1024, dtype=np.int16),
-            "step": np.empty(1024, dtype=np.int16),
+            "agent": np.empty(1024, dtype=lane),
+            "start": np.empty(1024, dtype=step),
+            "step": np.empty(1024, dtype=step),
             "off_mesh_m": np.empty(1024, dtype=np.float32),
             "footing": np.empty(1024, dtype=np.int32),
             "exit_point": np.empty(1024, dtype=np.int32),
@@ -128,13 +130,17 @@ class Archive:
         everything = np.arange(self._count)
         positions = self._cache.positions.copy()
         exits = self._column("exit_point").astype(np.int32)
-        names = ("grounded", "parent", "round", "agent", "start", "step")
         return Points(
             positions=positions,
             states=self.states_of(everything),
             off_mesh_m=self.off_mesh_m.astype(np.float64),
             exit_point=self._exits.get(exits, positions),
-            **{name: self._column(name).copy() for name in names},  # type: ignore[arg-type]  # several dtypes
+            grounded=self.grounded.copy(),
+            parent=self._column("parent").astype(np.int32),
+            round=self._column("round").astype(np.int32),
+            agent=self._column("agent").astype(np.int32),
+            start=self._column("start").astype(np.int16),
+            step=self._column("step").astype(np.int16),
         )
 
     def _column(self, name: str) -> NDArray[np.generic]:

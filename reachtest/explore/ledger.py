@@ -68,7 +68,7 @@ class Ledger:
         self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
         self.cache = PositionCache(s.threshold_m)
         self._columns = ColumnIndex(level.collision)
-        self.archive = Archive(self.cache, spawns.shape[1])
+        self.archive = Archive(self.cache, spawns.shape[1], s.lanes, s.reset_interval)
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
         self.transitions = Transitions(s.threshold_m)

@@ -258,7 +258,7 @@ def test_a_cached_point_takes_at_most_100_bytes_outside_the_tree(run) -> None:
     """With the state size of the MuJoCo simulator, half the points in the air, each from a place of its own."""
     rng = np.random.default_rng(0)
     cache = PositionCache(1e-9)
-    archive = Archive(cache, 7)
+    archive = Archive(cache, 7, lanes=256, interval=32)
     states = rng.normal(size=(4096, 7))
     cache.insert(states[:, :3])
     air = rng.random((4096, 1)) < 0.5
@@ -272,3 +272,21 @@ def test_a_cached_point_takes_at_most_100_bytes_outside_the_tree(run) -> None:
     some = np.array([0, 1, 2, 3, 4095])
     np.testing.assert_allclose(archive.footings_of(some), stood[some], rtol=1e-7)
     np.testing.assert_array_equal(archive.exits_of(some), states[some, :3])
+
+
+@pytest.mark.parametrize(("lanes", "interval"), [(1, 1), (256, 255), (257, 256), (4096 * 64, 32_767)])
+def test_where_a_point_came_from_is_kept_for_any_number_of_lanes_and_steps(lanes: int, interval: int) -> None:
+    cache = PositionCache(1e-9)
+    archive = Archive(cache, 3, lanes, interval)
+    states = np.arange(6.0).reshape(2, 3)
+    cache.insert(states)
+    last = {
+        "agent": np.array([0, lanes - 1]),
+        "step": np.array([1, interval]),
+        "start": np.array([0, interval]),
+    }
+    other = {name: np.zeros(2) for name in ("parent", "round", "off_mesh_m", "cell", "grounded", "hopeless")}
+    archive.append(states, states, states, **last, **other)
+    points = archive.points()
+    for name, values in last.items():
+        np.testing.assert_array_equal(getattr(points, name), values)
