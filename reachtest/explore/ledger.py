@@ -6,9 +6,6 @@ Shape legend: B agents, T agent steps of a round, M starts an agent, P cached po
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -17,45 +14,12 @@ from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
+from reachtest.explore.trails import Trails, of_parents
 from reachtest.explore.transitions import Transitions
 from reachtest.explore.visits import VisitCounts
 from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
-
-
-@dataclass(frozen=True)
-class _Trail:
-    """A kind of position to look back for: in the episode under way, else at its parent, else at its spawn."""
-
-    positions: Floats  # [T, B, 3] NaN where there is none
-    archived: Callable[[Ints], Floats]  # of cached points [n]: [n, 3]
-    spawned: Floats  # [S, 3]
-
-    @cached_property
-    def latest(self) -> Ints:
-        """The last step [T, B] with a position, up to each step; -1 before the first."""
-        steps = np.arange(len(self.positions))[:, None]
-        return np.maximum.accumulate(np.where(np.isfinite(self.positions[:, :, 0]), steps, -1), axis=0)
-
-    def at(self, rolled: Trajectories, parents: Ints, t: Ints, b: Ints) -> Floats:
-        """The last positions [n, 3] on the way to steps t [n] of lanes b [n], those included."""
-        step = self.latest[t, b]
-        during = step >= rolled.start[t, b]
-        result = np.empty((len(t), 3))
-        result[during] = self.positions[step[during], b[during]]
-        before = ~during
-        result[before] = _of(parents[rolled.which[t, b], b][before], self.archived, self.spawned)
-        return result
-
-
-def _of(parents: Ints, archived: Callable[[Ints], Floats], spawned: Floats) -> Floats:
-    """Rows [..., k] of `parents`: of cached points, or of spawn i [S, k] for -1 - i."""
-    at_spawn = parents < 0
-    result = np.empty((*parents.shape, spawned.shape[1]))
-    result[at_spawn] = spawned[-1 - parents[at_spawn]]
-    result[~at_spawn] = archived(parents[~at_spawn])
-    return result
 
 
 class Ledger:
@@ -100,7 +64,7 @@ class Ledger:
 
     def states_of(self, parents: Ints) -> Floats:
         """The states [..., S] of cached points, or of spawn i for -1 - i."""
-        return _of(parents, self.archive.states_of, self._spawns)
+        return of_parents(parents, self.archive.states_of, self._spawns)
 
     def record(self, rolled: Trajectories, parents: Ints) -> Ints:
         """Insert the round's positions in (step, agent) order; the indices [n, 2] (step, agent) of new points."""
@@ -109,13 +73,13 @@ class Ledger:
         valid = np.flatnonzero(np.isfinite(rolled.positions[:, :, 0]).ravel())
         flat = rolled.positions.reshape(-1, 3)[valid]
         discovering = self.visits.add(flat, episode.ravel()[valid])
-        footings = _of(parents, self.archive.footings_of, self._spawn_positions)
+        footings = of_parents(parents, self.archive.footings_of, self._spawn_positions)
         self.transitions.add(rolled, footings, parents, self.rounds)
         began = time.monotonic()
         order = valid[self.cache.insert(flat)]
         self.cache_s += time.monotonic() - began
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
-        trails = self._trails(rolled, new)
+        trails = Trails(rolled, parents, self._surface, self._spawn_positions)
         self._append(rolled, parents, new, trails)
         self.goals.drain(flat, self.steps + valid + 1)
         self._note_ends(rolled, parents, trails)
@@ -125,17 +89,9 @@ class Ledger:
         self.risk.note(discovering, self.visits, self.steps, self.episodes, goals, len(self.archive))
         return new
 
-    def _distances(self, points: Floats, columns: Ints) -> Floats:
-        """Distances [T, B] of points [T, B, 3] to the nav-mesh, infinite where unexpected and in other columns."""
-        result = np.full(points.shape[:2], np.inf)
-        asked = points[:, columns].reshape(-1, 3)
-        result[:, columns] = self._surface.distance(asked).reshape(len(result), len(columns))
-        return result
-
-    def _append(self, rolled: Trajectories, parents: Ints, new: Ints, trails: tuple[_Trail, _Trail]) -> None:
+    def _append(self, rolled: Trajectories, parents: Ints, new: Ints, trails: Trails) -> None:
         t, b = new[:, 0], new[:, 1]
         positions = rolled.positions[t, b]
-        footings, exits = (trail.at(rolled, parents, t, b) for trail in trails)
         self.archive.append(
             states=rolled.states[t, b],
             grounded=rolled.grounded[t, b],
@@ -145,29 +101,20 @@ class Ledger:
             start=rolled.start[t, b],
             step=t + 1,
             off_mesh_m=self._surface.distance(positions),
-            footing=footings,
-            exit_point=exits,
+            footing=trails.footings(t, b, self.archive.footings_of),
+            exit_point=trails.exits(t, b, self.archive.exits_of),
             cell=self.visits.cells(positions),
             hopeless=self._hopeless(positions, rolled.grounded[t, b]),
         )
 
-    def _trails(self, rolled: Trajectories, new: Ints) -> tuple[_Trail, _Trail]:
-        """Where the characters stood, and where they stood on the nav-mesh; of those with new points or a fall."""
-        fell = np.flatnonzero((rolled.ended == EndReason.FELL).any(axis=0))
-        on_mesh = np.isfinite(self._distances(rolled.stood, np.union1d(new[:, 1], fell)))
-        unknown = np.full_like(self._spawn_positions, np.nan)
-        return (
-            _Trail(rolled.stood, self.archive.footings_of, self._spawn_positions),
-            _Trail(np.where(on_mesh[:, :, None], rolled.stood, np.nan), self.archive.exits_of, unknown),
-        )
-
-    def _note_ends(self, rolled: Trajectories, parents: Ints, trails: tuple[_Trail, _Trail]) -> None:
+    def _note_ends(self, rolled: Trajectories, parents: Ints, trails: Trails) -> None:
         """Count the round's episodes and remember its falls."""
         self.episodes += rolled.ended.shape[1] + int((rolled.ended[:-1] != EndReason.ALIVE).sum())
         self.diverged += int((rolled.ended == EndReason.DIVERGED).sum())
         when, who = np.nonzero(rolled.ended == EndReason.FELL)
-        ways = [trail.at(rolled, parents, when, who) for trail in trails]
-        for t, b, stood, left in zip(when.tolist(), who.tolist(), *ways, strict=True):
+        stood_at = trails.footings(when, who, self.archive.footings_of)
+        left_at = trails.exits(when, who, self.archive.exits_of)
+        for t, b, stood, left in zip(when.tolist(), who.tolist(), stood_at, left_at, strict=True):
             parent = int(parents[rolled.which[t, b], b])
             origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)
             self.falls.append(Fall(origin, rolled.last[t, b], stood, left))

@@ -16,17 +16,16 @@ from reachtest.geometry import ColumnIndex, indices
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
+from reachtest.world.footwork import OVERLAP_M, Footwork
 from reachtest.world.model import MASS_KG
 from reachtest.world.tiled_batch import TiledBatch
 from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
 
 STATE_SIZE = 7
 SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
-OVERLAP_M = 0.02  # deeper than any resting contact: a place that overlaps more is not free
 SQUEEZED_M = 0.008  # on two sides at once: contacts would push it through an opening it does not fit
 OPPOSED_COS = -0.7  # between the normals of two sides
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
-BLOCKED_COS = 0.25  # a velocity that points this much into an obstacle wants to step onto it
 
 
 class MujocoSimulator:
@@ -52,6 +51,8 @@ class MujocoSimulator:
         self._batch = TiledBatch(
             level.collision, level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
         )
+        self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, self._columns)
+        self._ticks_to_land = np.ceil(STEP_S / self._dt)
         self._position, self._velocity = self._batch.position, self._batch.velocity
         self._footing = np.zeros(agents)
         self._contacts = self._read()
@@ -119,7 +120,7 @@ class MujocoSimulator:
         for begin in range(0, len(positions), self.agents):
             some = positions[begin : begin + self.agents]
             self.restore(np.arange(len(some)), self.place(some))
-            result[begin : begin + len(some)] = self._deepest()[: len(some)] > -OVERLAP_M
+            result[begin : begin + len(some)] = self._batch.deepest()[: len(some)] > -OVERLAP_M
         return result
 
     # --- one control tick -------------------------------------------------------------------------
@@ -143,10 +144,16 @@ class MujocoSimulator:
         self._limit_boost(plan, walked, stands)
         self._footing = np.where(stands, 1.0, walked * np.maximum(self._footing - 1.0, 0.0))
         if self.character.step_height_m > 0:
-            self._step_up(plan, contacts, walked)
-            self._snap_down(walked & (self._footing == 0))
-            if self._stale:
-                self._contacts = self._read()
+            self._follow_steps(plan, walked)
+
+    def _follow_steps(self, plan: Plan, walked: Bools) -> None:
+        """Up onto what blocks the way, down to ground that fell away: who `walked` [B] before the tick."""
+        lifted = self._footwork.step_up(plan, self._contacts, walked)
+        self._footing[lifted] = 1.0 + self._ticks_to_land
+        lowered = self._footwork.snap_down(walked & (self._footing == 0))
+        self._footing[lowered] = 1.0
+        if len(lifted) or len(lowered):
+            self._contacts = self._read()
 
     def _stop_at_floors(self, velocity: Floats) -> None:
         """No fall through a thin floor: who would fall past one within the tick falls onto it, in place.
@@ -178,10 +185,10 @@ class MujocoSimulator:
         ids = ids[(normals @ normals.transpose(0, 2, 1)).min(axis=(1, 2), initial=0.0) < OPPOSED_COS]
         if not len(ids):
             return
-        here = self._position[ids], self._velocity[ids], self._deepest()[ids]
+        here = self._position[ids], self._velocity[ids], self._batch.deepest()[ids]
         self._position[ids], self._velocity[ids] = came_from[ids], 0.0
         self._refresh(ids)
-        worse = self._deepest()[ids] <= here[2]  # where it came from: there it would stay for ever
+        worse = self._batch.deepest()[ids] <= here[2]  # where it came from: there it would stay for ever
         if worse.any():
             self._position[ids[worse]], self._velocity[ids[worse]] = here[0][worse], here[1][worse]
             self._refresh(ids[worse])
@@ -193,72 +200,6 @@ class MujocoSimulator:
         if boosted.any():
             self._velocity[boosted, 2] = allowed[boosted]
 
-    def _step_up(self, plan: Plan, contacts: Contacts, may: Bools) -> None:
-        """Lift onto a ledge no higher than the step height, where there is room and walkable ground."""
-        if not len(contacts.ids):
-            return
-        uncut = plan.uncut[contacts.ids]
-        flat = contacts.flat
-        pressing = flat[:, :, 0] * uncut[:, 0, None] + flat[:, :, 1] * uncut[:, 1, None]
-        worst = pressing.argmin(axis=1)
-        need = -np.maximum(BLOCKED_COS * np.hypot(uncut[:, 0], uncut[:, 1]), 0.05)
-        chosen = indices(may[contacts.ids] & (pressing.min(axis=1) < need))
-        if not len(chosen):
-            return
-        c = self.character
-        ids = contacts.ids[chosen]
-        ahead = self._position[ids]
-        ahead[:, :2] -= flat[chosen, worst[chosen]] * (c.radius_m + 0.06)
-        ledge, slope = self._columns.highest(ahead, -0.02, c.step_height_m + 0.005)
-        good = np.isfinite(ledge) & (slope >= self._controller.slope_cos)
-        if not good.any():
-            return
-        ids = ids[good]
-        lifted, moved = self._position[ids], self._velocity[ids]
-        lifted[:, 2] = ledge[good] + 0.005
-        moved[:, :2], moved[:, 2] = plan.uncut[ids], 0.0
-        self._footing[self._try_place(ids, lifted, moved)] = 1.0 + np.ceil(STEP_S / self._dt)
-
-    def _snap_down(self, may: Bools) -> None:
-        """Keep a walking character on ground that falls away by no more than the step height."""
-        ids = indices(may & (self._velocity[:, 2] < 0.5))
-        if not len(ids):
-            return
-        c = self.character
-        feet = self._position[ids]
-        ground, slope = self._columns.highest(feet, 1.5 * c.step_height_m + 0.1, 0.05)
-        # A sphere resting on a plane touches it uphill of its lowest point, which therefore hangs above.
-        target = ground + c.radius_m * (1.0 / np.maximum(slope, 1e-3) - 1.0)
-        drop = feet[:, 2] - target
-        good = np.isfinite(ground) & (slope >= self._controller.slope_cos) & (drop > -0.02)
-        good &= drop <= c.step_height_m
-        ids = ids[good]
-        lowered = feet[good]
-        lowered[:, 2] = target[good]
-        still = self._velocity[ids]
-        still[:, 2] = 0.0
-        self._footing[self._try_place(ids, lowered, still, on_ground=True)] = 1.0
-
-    def _try_place(self, ids: Ints, positions: Floats, velocities: Floats, on_ground: bool = False) -> Ints:
-        """Move agents [n] where there is room (and ground, if asked); returns those that moved.
-
-        Contacts are to be read again afterwards.
-        """
-        if not len(ids):
-            return ids
-        kept = self._position[ids], self._velocity[ids]
-        self._position[ids], self._velocity[ids] = positions, velocities
-        self._batch.touch(ids)
-        self._stale = True
-        free = self._deepest()[ids] > -OVERLAP_M
-        if on_ground:
-            free &= (self._batch.sensor[ids, :, 4] <= -self._controller.slope_cos).any(axis=1)
-        back = ids[~free]
-        if len(back):
-            self._position[back], self._velocity[back] = kept[0][~free], kept[1][~free]
-            self._batch.touch(back)
-        return ids[free]
-
     # --- contacts ---------------------------------------------------------------------------------
 
     def _refresh(self, ids: Ints) -> None:
@@ -267,14 +208,8 @@ class MujocoSimulator:
         self._contacts = self._read()
 
     def _read(self) -> Contacts:
-        self._stale = False
         slope_cos, radius_m = self._controller.slope_cos, self.character.radius_m
         return read_contacts(self._batch.sensor, slope_cos, radius_m)
-
-    def _deepest(self) -> Floats:
-        """Signed distance [B] of the closest contact; positive where there is none."""
-        found = self._batch.sensor[:, 0, 0] > 0
-        return np.where(found, self._batch.sensor[:, 0, 1], np.inf)
 
     def _ended(self) -> NDArray[np.int8]:
         position = self._position
