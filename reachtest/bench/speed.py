@@ -5,12 +5,15 @@ from __future__ import annotations
 import resource
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from reachtest.explore import Explorer
+from reachtest.explore.actions import action_stream
 from reachtest.levels import load_level
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Floats, Level
@@ -30,6 +33,10 @@ class Speed:
     bare_physics_agent_steps_per_s: float  # `Batch.step` with random controls, nothing else
     bare_physics_steps_per_s_per_core: float
     explorer_over_physics: float
+    characters_agent_steps_per_s: (
+        float  # with the character's controller, under random gamepads, nothing else
+    )
+    explorer_over_characters: float  # what the search leaves of that
     cache_us_per_step: float  # checking and inserting
     bytes_per_point: float  # outside the tree
     peak_rss_mb: float
@@ -54,7 +61,8 @@ def measure_speed(path: Path, steps: int | None = None, seed: int = 0) -> Speed:
     first_step_s = time.perf_counter() - began
     found = explorer.run()
     rate = found.agent_steps / found.timing["wall_s"]
-    bare = _bare_rate(simulator, found.points.states, found.agent_steps, settings.reset_interval)
+    tests = simulator, found.points.states, found.agent_steps, settings.reset_interval
+    bare, characters = (_rate(*tests, controls) for controls in (_pushes, _gamepads))
     per_core = settings.action_repeat / simulator.threads
     return Speed(
         agent_steps=found.agent_steps,
@@ -63,6 +71,8 @@ def measure_speed(path: Path, steps: int | None = None, seed: int = 0) -> Speed:
         bare_physics_agent_steps_per_s=bare,
         bare_physics_steps_per_s_per_core=bare * per_core,
         explorer_over_physics=rate / bare,
+        characters_agent_steps_per_s=characters,
+        explorer_over_characters=rate / characters,
         cache_us_per_step=found.timing["cache_s"] / found.agent_steps * 1e6,
         bytes_per_point=explorer.bytes_per_point,
         peak_rss_mb=_peak_rss_mb(),
@@ -83,8 +93,30 @@ def _first_step(level: Level, simulator: MujocoSimulator) -> None:
     simulator.step(np.zeros((simulator.agents, 2), dtype=np.int8))
 
 
-def _bare_rate(simulator: MujocoSimulator, states: Floats, agent_steps: int, interval: int) -> float:
-    """Agent steps a second of `MujocoSimulator.coast` from states [P, S], set anew every `interval` steps.
+Step = Callable[[], object]
+
+
+def _pushes(simulator: MujocoSimulator, rng: np.random.Generator, steps: int) -> list[Step]:
+    """Agent steps of bare physics."""
+    pushes = rng.normal(0.0, PUSH_MPS2, (steps, simulator.agents, 3)) * [1.0, 1.0, 0.0]
+    return [partial(simulator.coast, push) for push in pushes]
+
+
+def _gamepads(simulator: MujocoSimulator, rng: np.random.Generator, steps: int) -> list[Step]:
+    """Agent steps of characters; the gamepads are those of an exploration."""
+    seed = int(rng.integers(1 << 32))
+    streams = [action_stream(seed, 0, agent, steps) for agent in range(simulator.agents)]
+    return [partial(simulator.step, actions) for actions in np.stack(streams, axis=1)]
+
+
+def _rate(
+    simulator: MujocoSimulator,
+    states: Floats,
+    agent_steps: int,
+    interval: int,
+    controls: Callable[[MujocoSimulator, np.random.Generator, int], list[Step]],
+) -> float:
+    """Agent steps a second under `controls` from states [P, S], set anew every `interval` steps.
 
     Every round is run twice and the second time counts: it finds its tiles compiled.
     """
@@ -94,12 +126,12 @@ def _bare_rate(simulator: MujocoSimulator, states: Floats, agent_steps: int, int
     spent = 0.0
     for _ in range(rounds):
         starts = states[rng.integers(len(states), size=len(everyone))]
-        pushes = rng.normal(0.0, PUSH_MPS2, (interval, len(everyone), 3)) * [1.0, 1.0, 0.0]
+        steps = controls(simulator, rng, interval)
         for _ in ("warm", "timed"):
             simulator.restore(everyone, starts)
             begin = time.perf_counter()
-            for push in pushes:
-                simulator.coast(push)
+            for step in steps:
+                step()
             once = time.perf_counter() - begin
         spent += once
     return rounds * interval * len(everyone) / spent

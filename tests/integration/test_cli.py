@@ -170,7 +170,7 @@ def test_bench_speed_is_one_json_object_with_the_promised_keys(closed_yard) -> N
     figures = json.loads(done.stdout)
     promised = (
         "agent_steps_per_s physics_steps_per_s_per_core bare_physics_agent_steps_per_s explorer_over_physics"
-        " cache_us_per_step bytes_per_point peak_rss_mb first_step_s"
+        " cache_us_per_step bytes_per_point peak_rss_mb first_step_s characters_agent_steps_per_s"
     )
     assert set(promised.split()) <= set(figures)
     assert all(figures[key] > 0 for key in promised.split())
