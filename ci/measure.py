@@ -9,6 +9,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -110,7 +111,7 @@ def _near_reference(name: str, fell: list[dict[str, Any]]) -> str:
     return f"{near.sum()} of {len(ours)}"
 
 
-def agreement() -> None:
+def agreement(steps: int = AGREEMENT_STEPS, levels: Collection[str] = ()) -> None:
     """Where the reference character stood and fell, against ours: same capsule, spawn and speeds, seed 0."""
     print(
         "| level | moves | still growing | our falls | its footings near ours | its cells ours reached |"
@@ -118,14 +119,15 @@ def agreement() -> None:
     )
     print("|---|---|---|---|---|---|---|---|")
     for file in sorted(SHARED.glob("*/jolt_reach.*.json")):
-        _agreement_with(file)
+        if not levels or file.parent.name in levels:
+            _agreement_with(file, steps)
 
 
-def _agreement_with(file: Path) -> None:
+def _agreement_with(file: Path, steps: int) -> None:
     name, moves = file.parent.name, file.name.split(".")[1]
     theirs = json.loads(file.read_text())
     level = _as_the_reference(load_level(ROOT / "maps/real" / name / "level.yaml"), theirs)
-    simulator, found = _explored(level)
+    simulator, found = _explored(level, steps)
     stood = simulator.places()
     footings = np.array([fall.footing for fall in found.falls]).reshape(-1, 3)
     cells = level.frame.to_level(np.array(theirs["standing_cells_1m"]) + 0.5)
@@ -179,8 +181,8 @@ class _Standing(MujocoSimulator):
         return self.stood[first]
 
 
-def _explored(level: Level) -> tuple[_Standing, Exploration]:
-    level = replace(level, explore=replace(level.explore, steps=AGREEMENT_STEPS))
+def _explored(level: Level, steps: int) -> tuple[_Standing, Exploration]:
+    level = replace(level, explore=replace(level.explore, steps=steps))
     surface = expected_surface(level)
     simulator = _Standing(level, level.explore.lanes)
     return simulator, Explorer(level, simulator, surface, 0).run()
@@ -225,18 +227,28 @@ def threads() -> None:
             raise SystemExit(1)
 
 
-PARTS = {"small": small, "real": real, "agreement": agreement, "threads": threads}
+PARTS: dict[str, Callable[[], None]] = {
+    "small": small,
+    "real": real,
+    "agreement": agreement,
+    "threads": threads,
+}
 
 
 def main() -> None:
     """Run the named parts."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("part", choices=[*PARTS, "all"])
-    part = parser.parse_args().part
+    parser.add_argument("--steps", type=int, default=AGREEMENT_STEPS, help="of agreement [agent steps]")
+    parser.add_argument("--levels", default="", help="of agreement, by commas; default: all")
+    given = parser.parse_args()
     print(f"{os.cpu_count()} cores, {platform.machine()}, Python {platform.python_version()}\n")
-    for name in PARTS if part == "all" else (part,):
+    for name in PARTS if given.part == "all" else (given.part,):
         print(f"\n## {name}\n")
-        PARTS[name]()
+        if name == "agreement":
+            agreement(given.steps, [level for level in given.levels.split(",") if level])
+        else:
+            PARTS[name]()
 
 
 if __name__ == "__main__":
