@@ -65,8 +65,12 @@ def _fall_groups(
     over = void.entries(footings, np.array([fall.position for fall in falls]))
     direct = (np.linalg.norm(footings - left, axis=1) < _SAME_M) & ~np.isnan(over[:, 0])
     edges = np.where(direct[:, None], over, left)
-    groups = single_linkage(edges, LINK_M)
-    label = join_rims(level, void, [edges[group[direct[group]]] for group in groups])
+    # An edge counts as high as its floor, and as high as it was crossed: who jumps off a plateau at the rim joins both.
+    crossed = np.where(direct[:, None], np.column_stack([edges[:, :2], footings[:, 2]]), left)
+    ties = np.arange(len(falls))[:, None] + [0, len(falls)]
+    linked = single_linkage(np.concatenate([edges, crossed]), LINK_M, ties)
+    groups = [group[group < len(falls)] for group in linked]
+    label = join_rims(level, void, [edges[group] for group in groups])
     for group, same in zip(groups, label, strict=True):
         number[group] = same
     return np.unique(number, return_inverse=True)[1], edges
