@@ -29,8 +29,8 @@ class Void:
         return np.isnan(below).reshape(points.shape[:-1])
 
     def entries(self, footings: Floats, ends: Floats) -> Floats:
-        """Where falls crossed an edge [n, 3], seen from above: at the first void on the way from the last footing
-        [n, 3] to the place [n, 3] at which they left the world, as high as the floor before it. NaN where there is none.
+        """Where falls crossed an edge [n, 3], NaN where there is none: the first void on the way, seen from above,
+        from the last footing [n, 3] to the place [n, 3] at which they left the world; as high as the floor before it.
 
         The way is taken to be straight: in the air one hardly steers. The floor is the last one flown over: who jumps
         off a tower and over the rim of the ground fell off the ground.
