@@ -182,9 +182,9 @@ def test_a_rim_goes_on_over_a_plateau_that_was_jumped_from() -> None:
 
 
 def over_the_alley(exit_x, footing_x) -> Fall:
-    """From a roof to a wall top beyond an alley, and off it."""
+    """By a running jump from a roof to a wall top beyond an alley, and off it."""
     end, footing = np.array([footing_x, 60.0, KILL_Z - 1]), np.array([footing_x, 52.9, 4.0])
-    return Fall(Origin(-1, 0, 0, 0, 9), end, footing, np.array([exit_x, 49.9, 4.0]))
+    return Fall(Origin(-1, 0, 0, 0, 9), end, footing, np.array([exit_x, 47.4, 4.0]))
 
 
 ALLEY = [box([-60, 40, 3], [60, 50, 4]), box([-60, 52, 0], [60, 53, 4])]
