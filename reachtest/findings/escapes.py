@@ -1,8 +1,8 @@
 """The ways off the nav-mesh: which of what was found beyond it is one bug.
 
 One bug has one exit: evidence is grouped by where its path left the nav-mesh, so that a hole with a whole roofscape
-behind it is one finding, and two holes to one roof are two. Who fell off expected ground left it at the edge, wherever
-the jump began.
+behind it is one finding, and two holes to one roof are two. Who fell off expected ground left it at the edge of the
+last floor below, wherever the jump began; who stepped onto a ledge and off it is one with those who jumped past it.
 
 Shape legend: n points, m falls.
 """
