@@ -16,7 +16,7 @@ class Simulator(Protocol):
 
     @property
     def agents(self) -> int:
-        """B."""
+        """B, where all are in use."""
 
     @property
     def step_s(self) -> float:
@@ -24,6 +24,12 @@ class Simulator(Protocol):
 
     def place(self, positions: Floats) -> Floats:
         """States [n, S] of agents standing still with their feet at `positions` [n, 3]."""
+
+    def use(self, agents: int) -> None:
+        """From now on only the first `agents` take part, and B is that many: the others cost nothing.
+
+        Who was not in use before has to be restored.
+        """
 
     def restore(self, agents: Ints, states: Floats) -> None:
         """Put `agents` [n] into `states` [n, S]."""
@@ -64,6 +70,13 @@ class Observer(Protocol):
 
     def on_round(self, record: RoundRecord) -> None:
         """Called after each round, in order, from one thread."""
+
+
+class Teller(Protocol):
+    """Is told how far the work after the exploration is, often: what it is, and at which of how many."""
+
+    def __call__(self, what: str, number: int, total: int) -> None:
+        """Called in order, from one thread."""
 
 
 class ReportOutput(Protocol):

@@ -16,7 +16,7 @@ from reachtest.explore import HEURISTICS, Confirmer, Explorer, Replayer
 from reachtest.findings import find, judge
 from reachtest.findings.audit import missed_ground
 from reachtest.findings.evidence import Evidence
-from reachtest.interfaces import Observer, Simulator
+from reachtest.interfaces import Observer, Simulator, Teller
 from reachtest.levels import load_level
 from reachtest.logs import McapLog
 from reachtest.navmesh.allowed import expected_surface
@@ -60,8 +60,12 @@ def run(
     options: RunOptions,
     observers: Sequence[Observer] = (),
     interrupted: Callable[[], StopReason | None] = lambda: None,
+    tell: Teller = lambda what, number, total: None,
 ) -> tuple[Report, Path]:
-    """Explore, find, judge and write everything; returns the report and the folder it was written to."""
+    """Explore, find, judge and write everything; returns the report and the folder it was written to.
+
+    Once `interrupted`, what was found by then is judged and written, unconfirmed where that was not done yet.
+    """
     started_at = datetime.now(UTC).isoformat(timespec="seconds")
     known = _baseline(level, options)
     folder = options.out or Path("reachtest-out") / level.name
@@ -70,13 +74,16 @@ def run(
     surface, islands = expected_surface(level), Islands(level.navmesh)
     round_s = level.explore.reset_interval * simulator.step_s
     with McapLog(folder / "run.mcap", level, round_s) as log:
-        explorer = Explorer(level, simulator, surface, options.seed, [*observers, log], interrupted, islands)
+        observed = [*observers, log]
+        explorer = Explorer(level, simulator, surface, options.seed, observed, interrupted, islands, tell)
         exploration = explorer.run()
         replayer = Replayer(level, simulator, exploration.points, options.seed, exploration.headings)
         replayer.check()
         survey = Survey(level, exploration, islands)
-        confirmer = Confirmer(level, simulator, surface, options.seed, _simulate(options))
+        stop = (lambda: interrupted() is not None, tell)
+        confirmer = Confirmer(level, simulator, surface, options.seed, _simulate(options), *stop)
         findings = confirmer.confirm(find(level, exploration, replayer, survey))
+        exploration = dataclasses.replace(exploration, stop_reason=interrupted() or exploration.stop_reason)
         log.finish(findings)
     enough = judge(level.gate, exploration, (), survey.counts).name == "pass"
     beside: dict[str, Any] = {}

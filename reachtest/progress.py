@@ -27,6 +27,9 @@ class ProgressDisplay(Protocol):
     def on_round(self, record: RoundRecord) -> None:
         """Show where the run stands."""
 
+    def tell(self, what: str, number: int, total: int) -> None:
+        """Show where the work after the exploration stands: see `interfaces.Teller`."""
+
 
 class BarProgress:
     """A rich progress bar: steps, steps/s, points, goals reached, time left."""
@@ -34,15 +37,15 @@ class BarProgress:
     def __init__(self, settings: ExploreSettings, stream: TextIO) -> None:
         console = Console(file=stream)
         columns = (
-            TextColumn("{task.fields[steps]} steps"),
+            TextColumn("{task.fields[count]}"),
             BarColumn(bar_width=24),
             TextColumn("{task.fields[what]}"),
             TextColumn("left"),
             TimeRemainingColumn(),
         )
         self._progress = Progress(*columns, console=console, transient=True)
-        self._task = self._progress.add_task("", total=settings.steps, steps="0", what="starting")
-        self._began = time.monotonic()
+        self._task = self._progress.add_task("", total=settings.steps, count="0 steps", what="starting")
+        self._began, self._phase = time.monotonic(), ""
 
     def __enter__(self) -> Self:
         self._progress.start()
@@ -56,8 +59,16 @@ class BarProgress:
     def on_round(self, record: RoundRecord) -> None:
         """Move the bar."""
         what = _what(record, time.monotonic() - self._began)
-        steps = f"{record.agent_steps:,}"
-        self._progress.update(self._task, completed=record.agent_steps, steps=steps, what=what)
+        steps = f"{record.agent_steps:,} steps"
+        self._progress.update(self._task, completed=record.agent_steps, count=steps, what=what)
+
+    def tell(self, what: str, number: int, total: int) -> None:
+        """Begin a new bar for each kind of work, and move it."""
+        if what != self._phase:
+            self._phase = what
+            self._progress.reset(self._task, total=total)
+        count = f"{number:,} of {total:,}"
+        self._progress.update(self._task, total=total, completed=number - 1, count=count, what=what)
 
 
 class LineProgress:
@@ -77,13 +88,24 @@ class LineProgress:
 
     def on_round(self, record: RoundRecord) -> None:
         """Print a line when the last one is old enough."""
-        now = time.monotonic()
-        if now - self._last < LINE_EVERY_S:
+        if not self._is_time():
             return
-        self._last = now
+        now = time.monotonic()
         left = (now - self._began) * (self._total - record.agent_steps) / record.agent_steps
         text = f"{record.agent_steps:,} of {self._total:,} steps, {_what(record, now - self._began)}"
         print(f"{text}, about {left:.0f} s left", file=self._stream, flush=True)
+
+    def tell(self, what: str, number: int, total: int) -> None:
+        """Print a line when the last one is old enough."""
+        if self._is_time():
+            print(f"{what}, {number:,} of {total:,}", file=self._stream, flush=True)
+
+    def _is_time(self) -> bool:
+        now = time.monotonic()
+        due = now - self._last >= LINE_EVERY_S
+        if due:
+            self._last = now
+        return due
 
 
 class NoProgress(LineProgress):
@@ -91,6 +113,9 @@ class NoProgress(LineProgress):
 
     def on_round(self, record: RoundRecord) -> None:
         """Ignore the round."""
+
+    def tell(self, what: str, number: int, total: int) -> None:
+        """Ignore the work."""
 
 
 def progress_for(settings: ExploreSettings, quiet: bool, stream: TextIO | None = None) -> ProgressDisplay:

@@ -55,7 +55,7 @@ def run(
     )
     loaded = pipeline.load(options)
     with StopOnSignal() as interrupted, progress_for(loaded.explore, quiet) as progress:
-        report, folder = pipeline.run(loaded, options, [progress], interrupted)
+        report, folder = pipeline.run(loaded, options, [progress], interrupted, progress.tell)
     if as_json:
         print(json.dumps(report.document, indent=1))
     else:

@@ -1,8 +1,8 @@
 """Confirmed, or not reported as a bug: every finding with a path is simulated again, and its path cut.
 
 Exactly, from its spawn; then from the last state on the nav-mesh before it: with other actions around the found ones,
-and all of that at half the physics time step. What half the step never shows is `fragile`: the time step's doing,
-or too close to tell from it.
+and all of that at half the physics time step, in the end also from the spawn. What half the step never shows is
+`fragile`: the time step's doing, or too close to tell from it.
 """
 
 from __future__ import annotations
@@ -13,25 +13,28 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from reachtest.explore.outcome import ON_MESH_M, Judge
-from reachtest.explore.shorten import Way, pursuits, shorten
+from reachtest.explore.shorten import Way, affordable, pursuits, shorten
 from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
 from reachtest.explore.variation import held, vary
-from reachtest.interfaces import Simulator, Surface
+from reachtest.interfaces import Simulator, Surface, Teller
 from reachtest.records import Confirmation, Finding, Floats, Level, ReplayPath
 
 VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
 ALL_VARIATIONS = 512
-MORE_TIMES = (
-    3  # as many again, from earlier on, for what half the step has not shown yet: fragile is said late
-)
+MORE_TIMES = 3  # as many again, from earlier on, for what half the step has not shown: fragile is said late
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
 FINE_LANES = 64
+AT_ONCE = 8  # findings: enough to share the cost of a step, few enough to have some done when a signal comes
 _STREAM = 0xC0  # apart from the streams of the exploration
 
 
+class _Interrupted(Exception):
+    """Somebody waits."""
+
+
 class Confirmer:
-    """Simulates findings again, all of them side by side."""
+    """Simulates findings again, a few of them side by side."""
 
     def __init__(
         self,
@@ -40,27 +43,55 @@ class Confirmer:
         surface: Surface,
         seed: int,
         simulate: Callable[[Level, int], Simulator],
+        interrupted: Callable[[], bool] = lambda: False,
+        tell: Teller = lambda what, number, total: None,
     ) -> None:
-        """`simulate` makes a simulator of a level for a number of agents: it is asked for one at half the step."""
+        """`simulate` makes a simulator of a level for a number of agents: it is asked for one at half the step.
+
+        Once `interrupted`, what is not confirmed yet stays unconfirmed.
+        """
         self._level, self._simulator, self._simulate = level, simulator, simulate
+        self._interrupted, self._tell, self._at = interrupted, tell, (0, 0)
         self.judge = Judge(level, surface)
         self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, 0, 0)))
 
     def confirm(self, findings: Sequence[Finding]) -> tuple[Finding, ...]:
         """The findings with their confirmation and the shortest known path; those that gate come first."""
         known = {i: way for i, f in enumerate(findings) if (way := self._way(f))}
-        if not known:
-            return tuple(findings)
-        found = list(known.values())
-        cut = shorten(found, self._simulator, self.judge, self._rng)
-        count = int(np.clip(ALL_VARIATIONS // len(found), *VARIATIONS))
-        nearby = self._attempt(self._simulator, [self._stretch(way) for way in cut], count)
-        half, shown = self._half_step(found, cut, count)
-        exact = self._exact(shown)
+        order = sorted(known, key=lambda i: (not findings[i].gating, len(known[i].trial)))
+        cut = dict(zip(order, affordable([known[i] for i in order]), strict=True))
+        count = int(np.clip(ALL_VARIATIONS // max(len(known), 1), *VARIATIONS))
         result = list(findings)
-        for row, index in enumerate(known):
-            result[index] = self._with(findings[index], shown[row], exact[row], half[row], nearby[row])
+        try:
+            for begin in range(0, len(order), AT_ONCE):
+                some = order[begin : begin + AT_ONCE]
+                self._at = (begin + 1, len(order))
+                ways = self._confirmed([known[i] for i in some], [cut[i] for i in some], count)
+                for index, (way, exact, half, nearby) in zip(some, ways, strict=True):
+                    result[index] = self._with(findings[index], way, exact, half, nearby)
+        except _Interrupted:
+            pass
+        finally:
+            self._simulator.use(self._simulator.agents)
         return tuple(sorted(result, key=lambda finding: not finding.gating))
+
+    def _confirmed(
+        self, found: Sequence[Way], cut: Sequence[bool], count: int
+    ) -> list[tuple[Way, bool, tuple[int, int], tuple[int, int]]]:
+        """Of each way, `cut` where that can be paid: what to show, whether it came out, and (attempts, succeeded)."""
+        shorter = iter(self._shorter([way for way, worth in zip(found, cut, strict=True) if worth]))
+        ways = [next(shorter) if worth else way for way, worth in zip(found, cut, strict=True)]
+        nearby = self._attempt(self._simulator, [self._stretch(way) for way in ways], count)
+        half, shown = self._half_step(found, ways, count)
+        return list(zip(shown, self._exact(shown), half, nearby, strict=True))
+
+    def _shorter(self, ways: Sequence[Way]) -> list[Way]:
+        return shorten(ways, self._simulator, self.judge, self._rng, self._pause)
+
+    def _pause(self) -> None:
+        self._tell("confirming findings", *self._at)
+        if self._interrupted():
+            raise _Interrupted
 
     def _with(
         self, finding: Finding, way: Way, exact: bool, half: tuple[int, int], nearby: tuple[int, int]
@@ -93,7 +124,7 @@ class Confirmer:
         return [
             bool(np.array_equal(again.states, way.trial.states))
             and self.judge.step(way.outcome, again) is not None
-            for way, again in zip(ways, run_lanes(self._simulator, lanes), strict=True)
+            for way, again in zip(ways, run_lanes(self._simulator, lanes, self._pause), strict=True)
         ]
 
     def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:
@@ -123,7 +154,10 @@ class Confirmer:
         ]
         for times in range(1, 1 + MORE_TIMES):
             missing = [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
-            earlier = [self._stretch(found[row], times * LEAD_STEPS) for row in missing]
+            # At last from the spawn: a jump may have to begin long before the place where one leaves the nav-mesh.
+            earlier = [
+                self._stretch(found[row], len(found[row].trial) * times // MORE_TIMES) for row in missing
+            ]
             more = self._attempt(finer, earlier, count, as_found=True)
             for row, (attempts, succeeded) in zip(missing, more, strict=True):
                 tries[row] = (tries[row][0] + attempts, succeeded)
@@ -142,7 +176,7 @@ class Confirmer:
             lanes += [Lane(way.start, plan, steps) for plan in plans]
             owner += [row] * len(plans)
         tries = np.zeros((len(ways), 2), dtype=np.int64)
-        for row, trial in zip(owner, run_lanes(simulator, lanes), strict=True):
+        for row, trial in zip(owner, run_lanes(simulator, lanes, self._pause), strict=True):
             tries[row] += 1, self.judge.step(ways[row].outcome, trial) is not None
         return [(int(attempts), int(succeeded)) for attempts, succeeded in tries]
 

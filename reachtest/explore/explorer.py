@@ -24,7 +24,7 @@ from reachtest.explore.probe import Probed, Prober
 from reachtest.explore.replay import Replayer
 from reachtest.explore.risk import is_done
 from reachtest.explore.rollout import Trajectories, roll_out
-from reachtest.interfaces import Observer, Simulator, Surface
+from reachtest.interfaces import Observer, Simulator, Surface, Teller
 from reachtest.navmesh.coverage import goal_islands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Exploration, Ints, Level, Points, RoundRecord, StopReason
@@ -44,14 +44,15 @@ class Explorer:
         observers: Sequence[Observer] = (),
         interrupted: Callable[[], StopReason | None] = lambda: None,
         islands: Islands | None = None,
+        tell: Teller = lambda what, number, total: None,
     ) -> None:
         """`surface` tells expected from unexpected positions; `interrupted` is asked after every round.
 
-        `islands` are those of the level's nav-mesh, where they were worked out before.
+        `islands` are those of the level's nav-mesh, where they were worked out before. `tell` hears of the probes.
         """
         self._level, self._settings, self._seed = level, level.explore, seed
         self._simulator = simulator
-        self._observers, self._interrupted = observers, interrupted
+        self._observers, self._interrupted, self._tell_of_probes = observers, interrupted, tell
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
@@ -124,7 +125,10 @@ class Explorer:
         replayer = Replayer(self._level, self._simulator, points, self._seed, self._round_headings())
         known, number = self._ledger.transitions, self._ledger.rounds
         prober = Prober(self._level, self._simulator, known, replayer, self._seed, number)
-        return prober.run(points, self._islands, lambda: self._interrupted() is not None)
+        return prober.run(points, self._islands, self._is_interrupted, self._tell_of_probes)
+
+    def _is_interrupted(self) -> bool:
+        return self._interrupted() is not None
 
     @property
     def bytes_per_point(self) -> float:

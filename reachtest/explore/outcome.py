@@ -16,6 +16,7 @@ from reachtest.records import Bools, Finding, Floats, Level
 SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a width, and one jumps into it
 ON_MESH_M = 0.5  # "expected" reaches through walls: who went through one has to do it again
 SLACK_M = 1.0  # around the box of a finding
+PLACES_AT_ONCE = 32  # measured against the nav-mesh: about as dear as one
 
 
 @dataclass(frozen=True)
@@ -82,11 +83,20 @@ class Judge:
     def _same_fall(self, outcome: Outcome, trial: Trial) -> bool:
         stood = np.concatenate([trial.start[None, :3], trial.stood[np.isfinite(trial.stood[:, 0])]])
         if outcome.exit_point is not None:
-            left = stood[np.isfinite(self._surface.distance(stood))][-1:]
-            if len(left) and np.linalg.norm(left[0] - outcome.exit_point) <= SAME_PLACE_M:
+            left = self._last_expected(stood)
+            if left is not None and np.linalg.norm(left - outcome.exit_point) <= SAME_PLACE_M:
                 return True
         low, high = outcome.low - SAME_PLACE_M, outcome.high + SAME_PLACE_M
         return bool(((stood[-1] >= low) & (stood[-1] <= high)).all())
+
+    def _last_expected(self, places: Floats) -> Floats | None:
+        """The last of `places` [n, 3] that is near the nav-mesh; sought from the end, where it mostly is."""
+        for end in range(len(places), 0, -PLACES_AT_ONCE):
+            some = places[max(end - PLACES_AT_ONCE, 0) : end]
+            expected = np.flatnonzero(np.isfinite(self._surface.distance(some)))
+            if len(expected):
+                return np.asarray(some[expected[-1]], dtype=np.float64)
+        return None
 
     def _in_solid(self, name: str | None, positions: Floats) -> Bools:
         """Whether the middle of the body or the centre of its lower sphere is inside: as findings have it."""

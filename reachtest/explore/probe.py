@@ -17,7 +17,7 @@ from reachtest.explore.replay import Replayer
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.explore.transitions import UNKNOWN, Transitions, footholds
 from reachtest.geometry import pack_cells
-from reachtest.interfaces import Simulator
+from reachtest.interfaces import Simulator, Teller
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, EndReason, Fall, Floats, Ints, Level, Origin, Pocket, Points
 
@@ -80,7 +80,11 @@ class Prober:
         self._began: list[int] = []  # key of the cell where each attempt began
 
     def run(
-        self, points: Points, islands: Islands, interrupted: Callable[[], bool] = lambda: False
+        self,
+        points: Points,
+        islands: Islands,
+        interrupted: Callable[[], bool] = lambda: False,
+        tell: Teller = lambda what, number, total: None,
     ) -> Probed:
         """The pockets, with the cached points in them; those known by then, if `interrupted`.
 
@@ -92,11 +96,13 @@ class Prober:
         for _ in range(SWEEPS):
             if len(survey.regions) <= few or self._steps >= self._budget or interrupted():
                 break
+            tell("looking for pockets", 1, len(survey.regions))
             self._sweep(survey)
             survey = surveyor.survey(self._transitions.graph(), survey.suspects)
         while self._steps < self._budget and not interrupted():
             if not (open_ := [r for r in survey.regions if not self._done(survey, r)]):
                 break
+            tell("looking for pockets", len(survey.regions) - len(open_) + 1, len(survey.regions))
             self._besiege(survey, open_[: max(1, few)])
             survey = surveyor.survey(self._transitions.graph(), survey.suspects)
         pockets = [

@@ -2,7 +2,7 @@
 
 Pure pursuit (Coulter, CMU-RI-TR-92-01): push towards the point of the route a little ahead of the nearest one.
 
-Shape legend: n pursuers, M points of the longest route, T agent steps.
+Shape legend: n pursuers, k of them asked, M points of the longest route, T agent steps.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.records import Bools, Floats
+from reachtest.records import Bools, Floats, Ints
 
 _WINDOW = (
     16  # points of the route that are looked at for progress: no short cut through a wall to a later part
@@ -63,18 +63,17 @@ def route_of(start: Floats, positions: Floats, actions: NDArray[np.int8], loop_m
 class Pursuers:
     """Several pursuits at once; how far each has got along its route is all they remember."""
 
-    def __init__(self, pursuits: Sequence[Pursuit], steps: int) -> None:
-        """`steps` T at most."""
+    def __init__(self, pursuits: Sequence[Pursuit]) -> None:
         n, most = len(pursuits), max((len(p.route.points) for p in pursuits), default=1)
         self._points = np.zeros((n, most, 3))
         self._jumps = np.zeros((n, most), dtype=np.bool_)
-        self._noise = np.zeros((n, steps, 3))
+        self._noise = np.zeros((n, max((len(p.noise) for p in pursuits), default=0), 3))
         self._last = np.zeros(n, dtype=np.int64)
         for i, pursuit in enumerate(pursuits):
             m = len(pursuit.route.points)
             self._points[i, :m], self._points[i, m:] = pursuit.route.points, pursuit.route.points[-1]
             self._jumps[i, :m], self._last[i] = pursuit.route.jumps, m - 1
-            self._noise[i, : len(pursuit.noise)] = pursuit.noise[:steps]
+            self._noise[i, : len(pursuit.noise)] = pursuit.noise
         legs = np.linalg.norm(np.diff(self._points, axis=1), axis=2)
         self._arc = np.concatenate([np.zeros((n, 1)), np.cumsum(legs, axis=1)], axis=1)
         self._ahead = np.array([pursuit.ahead_m for pursuit in pursuits])
@@ -85,32 +84,34 @@ class Pursuers:
         self._held_up = np.zeros(n, dtype=np.int64)
         self._stick = np.zeros(n, dtype=np.int64)
 
-    def actions(self, positions: Floats, t: int) -> NDArray[np.int8]:
-        """What to do [n, 2] at `positions` [n, 3] in step `t`."""
-        rows = np.arange(len(positions))
-        self._progress(positions, rows)
+    def actions(self, rows: Ints, positions: Floats, steps: Ints) -> NDArray[np.int8]:
+        """What pursuers `rows` [k] do [k, 2] at `positions` [k, 3], each in its own one of `steps` [k]."""
+        at, held_up = self._progress(rows, positions)
         target_index = np.minimum(
-            (self._arc < (self._arc[rows, self._at] + self._ahead)[:, None]).sum(axis=1), self._last
+            (self._arc[rows] < (self._arc[rows, at] + self._ahead[rows])[:, None]).sum(axis=1),
+            self._last[rows],
         )
         target = self._points[rows, target_index]
-        noise = self._noise[:, t]
+        noise = self._noise[rows, steps]
         away = target - positions
         exact = np.arctan2(away[:, 1], away[:, 0]) / (np.pi / 4)
         octant = np.floor(exact).astype(np.int64)
         octant += noise[:, 0] < exact - octant
         arrived = np.hypot(away[:, 0], away[:, 1]) < 0.05  # over the edge: go on as before
-        self._stick = np.where(arrived, self._stick, 1 + octant % 8)
-        astray = (noise[:, 1] < self._random) | (self._held_up > _LOST_STEPS)
-        stick = np.where(astray, 1 + (noise[:, 2] * 8).astype(np.int64), self._stick)
-        jump = (self._held_up > 0) | (away[:, 2] > _RISE_M)
-        jump |= self._as_found & self._jumps[rows, self._at]
+        self._stick[rows] = np.where(arrived, self._stick[rows], 1 + octant % 8)
+        astray = (noise[:, 1] < self._random[rows]) | (held_up > _LOST_STEPS)
+        stick = np.where(astray, 1 + (noise[:, 2] * 8).astype(np.int64), self._stick[rows])
+        jump = (held_up > 0) | (away[:, 2] > _RISE_M)
+        jump |= self._as_found[rows] & self._jumps[rows, at]
         return np.stack([stick, jump], axis=1).astype(np.int8)
 
-    def _progress(self, positions: Floats, rows: NDArray[np.int64]) -> None:
-        moved = np.linalg.norm(positions - self._before, axis=1)
-        self._held_up = np.where(moved < _HELD_UP_M, self._held_up + 1, 0)
-        self._held_up[self._held_up > 2 * _LOST_STEPS] = 0  # and then try the route again
-        self._before = positions.copy()
-        window = np.minimum(self._at[:, None] + np.arange(_WINDOW), self._last[:, None])
+    def _progress(self, rows: Ints, positions: Floats) -> tuple[Ints, Ints]:
+        """Which point of its route each is at [k], and for how many steps it has been held up [k]."""
+        moved = np.linalg.norm(positions - self._before[rows], axis=1)
+        held_up = np.where(moved < _HELD_UP_M, self._held_up[rows] + 1, 0)
+        held_up[held_up > 2 * _LOST_STEPS] = 0  # and then try the route again
+        window = np.minimum(self._at[rows, None] + np.arange(_WINDOW), self._last[rows, None])
         away = np.linalg.norm(self._points[rows[:, None], window] - positions[:, None], axis=2)
-        self._at = window[rows, away.argmin(axis=1)]
+        at = window[np.arange(len(rows)), away.argmin(axis=1)]
+        self._before[rows], self._held_up[rows], self._at[rows] = positions, held_up, at
+        return at, held_up

@@ -9,24 +9,20 @@ seconds: the same run gives the same way.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from reachtest.explore.outcome import Judge, Outcome
 from reachtest.explore.pursuit import LOOP_M, Pursuit, Route, route_of
-from reachtest.explore.trials import Actions, Lane, Trial, TrialBatch, run_lanes
+from reachtest.explore.trials import LOOK_STEPS, Actions, Lane, Trial, Trials, run_lanes
 from reachtest.interfaces import Simulator
 from reachtest.records import Floats
 
-LANES = 128  # at once, over all findings that are cut together
-LANES_EACH = (16, 48)  # of a finding: fewer find little, more cost more than they find
-FOLLOWED_TIMES = (
-    2  # the second follows the best of the first; a third time found next to nothing on maps/small
-)
+FOLLOWERS = 16  # of a finding: fewer find little, more cost more than they find
+FOLLOWED_TIMES = 2  # the second follows the best of the first; a third found next to nothing on maps/small
 MAX_LANE_STEPS = 100_000  # a run, about half as many as its exploration: the rest of the ways stays as found
-LOOK_STEPS = 8  # between two looks at who has arrived: looking costs as much as a step
 SHORT_CUTS_M = (0.5, 2.5, 6.0)  # what counts as a loop: see `route_of`
 AHEAD_M = (0.8, 1.5, 2.5, 4.0)
 RANDOM_SHARES = (0.0, 0.0, 0.05, 0.1)
@@ -57,23 +53,28 @@ def first_steps(trial: Trial, steps: int) -> Trial:
     )
 
 
-def shorten(ways: Sequence[Way], simulator: Simulator, judge: Judge, rng: np.random.Generator) -> list[Way]:
-    """Ways as long or shorter, each simulated from its start."""
-    best = list(ways)
-    lanes_at_once = min(LANES, simulator.agents)
-    each = int(np.clip(lanes_at_once // max(len(best), 1), *LANES_EACH))
-    each = min(each, lanes_at_once)
-    group = lanes_at_once // each
-    spent = 0
-    for begin in range(0, len(best), group):
-        some = slice(begin, begin + group)
-        spent += FOLLOWED_TIMES * lanes_at_once * _most_steps(best[some], lanes_at_once)
-        if spent > MAX_LANE_STEPS:
-            break
-        for _ in range(FOLLOWED_TIMES):
-            best[some] = _follow(best[some], each, simulator, judge, rng)
-        best[some] = _leave_out(best[some], each, simulator, judge)
-    return best
+def affordable(ways: Sequence[Way]) -> list[bool]:
+    """Which ways are worth cutting: one after the other, as long as the budget of a run allows."""
+    cost = np.cumsum([FOLLOWED_TIMES * FOLLOWERS * len(way.trial) for way in ways])
+    return [bool(spent <= MAX_LANE_STEPS) for spent in cost]
+
+
+def shorten(
+    ways: Sequence[Way],
+    simulator: Simulator,
+    judge: Judge,
+    rng: np.random.Generator,
+    pause: Callable[[], None] = lambda: None,
+) -> list[Way]:
+    """Ways as long or shorter, each simulated from its start; `pause` is called now and then."""
+    best, shorter = list(ways), list(range(len(ways)))
+    for _ in range(FOLLOWED_TIMES):
+        followed = _follow([best[i] for i in shorter], simulator, judge, rng, pause)
+        better = [len(way.trial) < len(best[i].trial) for i, way in zip(shorter, followed, strict=True)]
+        for i, way in zip(shorter, followed, strict=True):
+            best[i] = way
+        shorter = [i for i, gained in zip(shorter, better, strict=True) if gained]
+    return _leave_out(best, simulator, judge, pause)
 
 
 def pursuits(
@@ -101,47 +102,42 @@ def pursuits(
 
 
 def _follow(
-    ways: Sequence[Way], each: int, simulator: Simulator, judge: Judge, rng: np.random.Generator
+    ways: Sequence[Way],
+    simulator: Simulator,
+    judge: Judge,
+    rng: np.random.Generator,
+    pause: Callable[[], None],
 ) -> list[Way]:
-    """The first of `each` followers of each way to arrive, where one was quicker."""
-    owner = np.repeat(np.arange(len(ways)), each)
-    most = _most_steps(ways, len(owner))
-    lanes = []
+    """The followers of each way that arrived in the fewest steps, where that is fewer than the way has."""
+    owner, lanes = np.repeat(np.arange(len(ways)), FOLLOWERS), []
     for way in ways:
-        steps = max(min(len(way.trial) - 1, most), 1)  # only what is shorter counts
+        steps = max(len(way.trial) - 1, 1)  # only what is shorter counts
         short = judge.over_navmesh(way.trial)
-        plans = pursuits(way.trial, each, steps, rng, SHORT_CUTS_M, [short] if short else [])
+        plans = pursuits(way.trial, FOLLOWERS, steps, rng, SHORT_CUTS_M, [short] if short else [])
         lanes += [Lane(way.start, plan, steps) for plan in plans]
-    batch = TrialBatch(simulator, lanes)
-    best, open_, seen = list(ways), set(range(len(ways))), 0
-    while open_ and not batch.over:
-        batch.advance(LOOK_STEPS)
-        for index in sorted(open_):
-            arrived = []
-            for lane in np.flatnonzero(owner == index).tolist():
-                trial = batch.trial(lane)
-                step = judge.step(ways[index].outcome, trial, min(seen, len(trial)))
-                if step is not None:
-                    arrived.append((step + 1, lane, trial))
-            if arrived:
-                steps, _, trial = min(arrived, key=lambda one: one[:2])
-                if steps < len(best[index].trial):
-                    best[index] = ways[index].cut_to(trial, steps)
-                open_.remove(index)
-        seen += LOOK_STEPS
+    trials, best, seen = Trials(simulator, lanes), list(ways), [0] * len(lanes)
+    going_on = True
+    while going_on:
+        going_on = trials.advance(LOOK_STEPS)
+        pause()
+        for lane in [i for i in range(len(lanes)) if trials.length(i) > seen[i]]:
+            index, trial = int(owner[lane]), trials.trial(lane)
+            step = judge.step(ways[index].outcome, trial, seen[lane])
+            seen[lane] = len(trial)
+            if step is not None and step + 1 < len(best[index].trial):
+                best[index] = ways[index].cut_to(trial, step + 1)
+                for same in np.flatnonzero(owner == index).tolist():
+                    trials.limit(same, step)
     return best
 
 
-def _most_steps(ways: Sequence[Way], lanes: int) -> int:
-    """As long as the longest way, but for what the budget of a run does not allow."""
-    return min(max(len(way.trial) for way in ways), MAX_LANE_STEPS // (FOLLOWED_TIMES * lanes))
-
-
-def _leave_out(ways: Sequence[Way], each: int, simulator: Simulator, judge: Judge) -> list[Way]:
+def _leave_out(
+    ways: Sequence[Way], simulator: Simulator, judge: Judge, pause: Callable[[], None]
+) -> list[Way]:
     """The best of what is left when one piece is left out, each tried from the state before it."""
     owner, cuts, lanes = [], [], []
     for index, way in enumerate(ways):
-        for begin, chunk in _pieces(len(way.trial), each):
+        for begin, chunk in _pieces(len(way.trial), FOLLOWERS):
             left = way.trial.actions[begin + chunk :]
             if len(left):
                 before = way.trial.states[begin - 1] if begin else way.start
@@ -149,7 +145,7 @@ def _leave_out(ways: Sequence[Way], each: int, simulator: Simulator, judge: Judg
                 cuts.append(begin)
                 lanes.append(Lane(before, left, len(left)))
     best = list(ways)
-    for index, begin, trial in zip(owner, cuts, run_lanes(simulator, lanes), strict=True):
+    for index, begin, trial in zip(owner, cuts, run_lanes(simulator, lanes, pause), strict=True):
         whole = _joined(first_steps(ways[index].trial, begin), trial)
         step = judge.step(ways[index].outcome, whole, begin)
         if step is not None and step + 1 < len(best[index].trial):

@@ -12,14 +12,15 @@ from reachtest.records import Floats, Ints
 _MOST_SHOWN = 64  # of the exits of one finding, in reports and baselines
 
 
-def single_linkage(points: Floats, link_m: float) -> list[Ints]:
-    """Groups of `points` [n, 3] connected by gaps of at most `link_m`, each as ascending indices.
+def single_linkage(points: Floats, link_m: float, ties: Ints | None = None) -> list[Ints]:
+    """Groups of `points` [n, 3] connected by gaps of at most `link_m` or by `ties` [t, 2], as ascending indices.
 
     Groups come in the order of their first point, so that nothing depends on the tree.
     """
     if not len(points):
         return []
     pairs = cKDTree(points).query_pairs(link_m, output_type="ndarray")
+    pairs = pairs if ties is None else np.concatenate([pairs, ties])
     ones = np.ones(len(pairs), dtype=np.int8)
     graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
     _, label = connected_components(graph, directed=False)

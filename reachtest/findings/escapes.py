@@ -1,8 +1,8 @@
 """The ways off the nav-mesh: which of what was found beyond it is one bug.
 
 One bug has one exit: evidence is grouped by where its path left the nav-mesh, so that a hole with a whole roofscape
-behind it is one finding, and two holes to one roof are two. Who fell off expected ground left it at the edge, wherever
-the jump began.
+behind it is one finding, and two holes to one roof are two. Who fell off expected ground left it at the edge of the
+last floor below, wherever the jump began; who stepped onto a ledge and off it is one with those who jumped past it.
 
 Shape legend: n points, m falls.
 """
@@ -65,11 +65,26 @@ def _fall_groups(
     over = void.entries(footings, np.array([fall.position for fall in falls]))
     direct = (np.linalg.norm(footings - left, axis=1) < _SAME_M) & ~np.isnan(over[:, 0])
     edges = np.where(direct[:, None], over, left)
-    groups = single_linkage(edges, LINK_M)
-    label = join_rims(level, void, [edges[group[direct[group]]] for group in groups])
+    # An edge counts as high as its floor, and as high as it was crossed: who jumps off a plateau at the rim joins both.
+    crossed = np.where(direct[:, None], np.column_stack([edges[:, :2], footings[:, 2]]), left)
+    ties = np.concatenate([np.arange(len(falls))[:, None] + [0, len(falls)], _beside(over, direct)])
+    linked = single_linkage(np.concatenate([edges, crossed]), LINK_M, ties)
+    groups = [group[group < len(falls)] for group in linked]
+    label = join_rims(level, void, [edges[group] for group in groups])
     for group, same in zip(groups, label, strict=True):
         number[group] = same
     return np.unique(number, return_inverse=True)[1], edges
+
+
+def _beside(over: Floats, direct: Bools) -> Ints:
+    """Falls [t, 2] over one edge, `over` [m, 3]: from a ledge off the nav-mesh, and beside it past that ledge.
+
+    Two that both went by way of the ledge are no pair: two holes may lead to it.
+    """
+    past, by_way = np.flatnonzero(direct), np.flatnonzero(~direct & ~np.isnan(over[:, 0]))
+    away, which = _nearest(over[past], over[by_way])
+    near = away <= LINK_M
+    return np.stack([by_way[near], past[which[near]]], axis=1)
 
 
 def _point_groups(exits: Floats, grounded: Bools, left: Floats, fall_group: Ints) -> Ints:

@@ -11,7 +11,7 @@ from reachtest.geometry import ColumnIndex
 from reachtest.records import Bools, Floats, Level
 
 _SPACING_M = 0.25
-_FARTHEST_M = 8.0  # a jump and what the fall adds to it
+_STRETCH_M = 8.0  # looked at together: a jump and what the fall adds to it
 
 
 class Void:
@@ -29,16 +29,26 @@ class Void:
         return np.isnan(below).reshape(points.shape[:-1])
 
     def entries(self, footings: Floats, ends: Floats) -> Floats:
-        """Where falls crossed an edge [n, 3], seen from above: at the first void on the way from the last footing
-        [n, 3] to the place [n, 3] at which they left the world. NaN where there is none.
+        """Where falls crossed an edge [n, 3], NaN where there is none: the first void on the way, seen from above,
+        from the last footing [n, 3] to the place [n, 3] at which they left the world; as high as the floor before it.
 
-        The way is taken to be straight: in the air one hardly steers.
+        The way is taken to be straight: in the air one hardly steers. The floor is the last one flown over: who jumps
+        off a tower and over the rim of the ground fell off the ground.
         """
         flown = (ends - footings) * [1.0, 1.0, 0.0]
-        far = np.linalg.norm(flown, axis=1, keepdims=True)
-        steps = np.arange(0.0, _FARTHEST_M, _SPACING_M)
-        along = np.minimum(steps, far)[:, :, None] * (flown / np.maximum(far, 1e-9))[:, None]
-        ways = footings[:, None] + along  # [n, k, 3]
-        void = self.holds(ways)
-        entry = ways[np.arange(len(ways)), void.argmax(axis=1)]
-        return np.where(void.any(axis=1, keepdims=True), entry, np.nan)
+        far = np.linalg.norm(flown, axis=1)
+        towards = flown / np.maximum(far, 1e-9)[:, None]
+        result = np.full(footings.shape, np.nan)
+        left, begin = np.arange(len(footings)), 0.0
+        while len(left):
+            steps = np.minimum(begin + np.arange(0.0, _STRETCH_M, _SPACING_M), far[left, None])  # [n, k]
+            void = self.holds(footings[left, None] + steps[:, :, None] * towards[left, None])
+            some = np.flatnonzero(void.any(axis=1))
+            rows, at = left[some], steps[some, void[some].argmax(axis=1)][:, None]
+            result[rows] = footings[rows] + at * towards[rows]
+            before = footings[rows] + np.maximum(at - _SPACING_M, 0.0) * towards[rows]
+            floor, _ = self.columns.highest(before, before[:, 2] - self._kill_z, self._up_m)
+            result[rows, 2] = np.where(np.isfinite(floor), floor, footings[rows, 2])
+            begin += _STRETCH_M
+            left = left[~void.any(axis=1) & (far[left] >= begin)]
+        return result

@@ -18,6 +18,7 @@ from reachtest.records import Floats
 FAR_M, AIM_ABOVE_M = 9.0, 1.0
 DOWN_DEG = -32.0
 LEVEL_RGBA = (0.72, 0.72, 0.76, 1.0)
+SOLID_RGBA = (0.85, 0.25, 0.55, 0.4)  # what one can get into: the character shows in it
 CHARACTER_RGBA = np.array([0.95, 0.45, 0.1, 1.0], dtype=np.float32)
 TRAIL_RGBA = np.array([0.1, 0.45, 0.95, 1.0], dtype=np.float32)
 EXIT_RGBA = np.array([0.95, 0.15, 0.1, 0.8], dtype=np.float32)
@@ -26,8 +27,8 @@ SHADOW_PX = 1024  # MuJoCo's 4096 take four fifths of the time without a graphic
 MAX_TRAIL = 1500  # segments: MuJoCo draws 10,000 geoms at most
 
 
-def build(triangles: Floats) -> mujoco.MjModel:
-    """A model that only shows `triangles` [F, 3, 3], each with corners of its own so that edges stay sharp."""
+def build(triangles: Floats, solids: Floats) -> mujoco.MjModel:
+    """A model that only shows `triangles` [F, 3, 3], and `solids` [G, 3, 3] that nothing collides with."""
     spec = mujoco.MjSpec()
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.35] * 3, [0.4] * 3
@@ -45,16 +46,24 @@ def build(triangles: Floats) -> mujoco.MjModel:
     spec.worldbody.add_light(
         pos=[0, 0, 60], dir=[0.35, 0.2, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, diffuse=[0.5] * 3
     )
+    _show(spec, "level", triangles, LEVEL_RGBA)
+    _show(spec, "solids", solids, SOLID_RGBA)
+    return spec.compile()
+
+
+def _show(spec: Any, name: str, triangles: Floats, colour: tuple[float, float, float, float]) -> None:
+    """Add triangles [F, 3, 3] to look at, if any, each with corners of its own so that edges stay sharp."""
+    if not len(triangles):
+        return
     mesh = spec.add_mesh(
-        name="level",
+        name=name,
         uservert=triangles.reshape(-1).astype(np.float64),
         userface=np.arange(3 * len(triangles), dtype=np.int32),
     )
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, meshname="level", contype=0, conaffinity=0, rgba=LEVEL_RGBA
+        type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, contype=0, conaffinity=0, rgba=colour
     )
-    return spec.compile()
 
 
 def draw(job: Any) -> None:
@@ -62,7 +71,7 @@ def draw(job: Any) -> None:
     places, headings = job["places"], job["headings"]  # [frames, 3], [frames] degrees
     width, height = (int(size) for size in job["size"])
     # The mesh's own frame is moved to its centre of mass by the compiler, the geom with it: places stay as they are.
-    model = build(job["triangles"])
+    model = build(job["triangles"], job["solids"])
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     camera = mujoco.MjvCamera()

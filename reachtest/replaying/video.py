@@ -55,15 +55,13 @@ def _prepare(job: Path, level: Level, repeated: Repeated) -> int:
     frames = int(np.clip(round((len(way) - 1) * step_s * FPS), 2, MAX_FRAMES))
     at = np.linspace(0, len(way) - 1, frames)
     places = np.stack([np.interp(at, np.arange(len(way)), way[:, axis]) for axis in range(3)], axis=1)
-    low, high = level.collision.min(axis=1)[:, :2], level.collision.max(axis=1)[:, :2]
-    from_, to = places[:, :2].min(axis=0) - AROUND_M, places[:, :2].max(axis=0) + AROUND_M
-    near = ((low <= to) & (high >= from_)).all(axis=1)
     centre = places.mean(axis=0)  # the graphics card counts in float32
     exit_point = repeated.finding.exit_point
     marks = np.array([] if exit_point is None else [exit_point], dtype=np.float64).reshape(-1, 3)
     np.savez(
         job,
-        triangles=level.collision[near] - centre,
+        triangles=_around(places, level.collision) - centre,
+        solids=_around(places, _without_collision(level)) - centre,
         places=places - centre,
         headings=_headings(places),
         marks=marks - centre,
@@ -72,6 +70,20 @@ def _prepare(job: Path, level: Level, repeated: Repeated) -> int:
         height_m=level.character.height_m,
     )
     return frames
+
+
+def _around(places: Floats, triangles: Floats) -> Floats:
+    """Those of `triangles` [F, 3, 3] near a way, seen from above."""
+    low, high = triangles.min(axis=1)[:, :2], triangles.max(axis=1)[:, :2]
+    from_, to = places[:, :2].min(axis=0) - AROUND_M, places[:, :2].max(axis=0) + AROUND_M
+    return np.asarray(triangles[((low <= to) & (high >= from_)).all(axis=1)], dtype=np.float64)
+
+
+def _without_collision(level: Level) -> Floats:
+    """The triangles [G, 3, 3] of solids that are no collision geometry as well."""
+    drawn = {triangle.tobytes() for triangle in level.collision}
+    alone = [solid.triangles for solid in level.solids if solid.triangles[0].tobytes() not in drawn]
+    return np.concatenate([np.zeros((0, 3, 3)), *alone])
 
 
 def _headings(places: Floats) -> Floats:

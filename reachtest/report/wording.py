@@ -83,7 +83,7 @@ def evidence(finding: Finding) -> str:
     if path.found_s is not None and path.found_s > path.duration_s:
         length += f" (found in {path.found_s:.1f} s)"
     if finding.confirmation is None:
-        return f"{length}, reproduced {path.succeeded} of {path.attempts}"
+        return f"{length}, reproduced {path.succeeded} of {path.attempts}, unconfirmed"
     exact, half, nearby = (
         f"{succeeded} of {attempts}" for attempts, succeeded in dataclasses.astuple(finding.confirmation)
     )
@@ -224,7 +224,7 @@ def next_step(report: Report) -> str:
 def _next_inconclusive(report: Report) -> str:
     exploration = report.exploration
     if exploration.stop_reason in (StopReason.INTERRUPTED, StopReason.TERMINATED):
-        return "run again with --resume to go on where it stopped"
+        return "run again: what was found so far is in the report"
     if len(exploration.goals) and not (exploration.goal_step >= 0).any():
         return "no goal was reached at all: check the spawn, the axes and the units in the level file"
     longer = f"run longer, for example with --steps {2 * exploration.agent_steps}"

@@ -53,14 +53,13 @@ class MujocoSimulator:
         )
         self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, self._columns)
         self._ticks_to_land = np.ceil(STEP_S / self._dt)
-        self._position, self._velocity = self._batch.position, self._batch.velocity
         self._footing = np.zeros(agents)
-        self._contacts = self._read()
+        self.use(agents)
 
     @property
     def agents(self) -> int:
-        """B."""
-        return len(self._footing)
+        """B, where all are in use."""
+        return self._batch.size
 
     @property
     def threads(self) -> int:
@@ -76,6 +75,13 @@ class MujocoSimulator:
     def step_s(self) -> float:
         """Simulated time of one agent step [s]."""
         return self._dt * self._repeat
+
+    def use(self, agents: int) -> None:
+        """From now on only the first `agents` take part: they are B. Who was not in use before is to be restored."""
+        self._batch.use(agents)
+        self._position, self._velocity = self._batch.position, self._batch.velocity
+        self._footing = np.concatenate([self._footing, np.zeros(self.agents)])[:agents]
+        self._contacts = self._read()
 
     def place(self, positions: Floats) -> Floats:
         """States [n, 7] standing still at `positions` [n, 3]."""
@@ -97,7 +103,7 @@ class MujocoSimulator:
     def step(self, actions: NDArray[np.int8]) -> StepResult:
         """One agent step with `actions` [B, 2]: stick (0 to 8) and jump (0 or 1)."""
         stick = Stick(STICK_DIRECTIONS[actions[:, 0]], actions[:, 1] > 0, indices(actions[:, 0] == 0))
-        stood = np.full((self.agents, 3), np.nan)
+        stood = np.full((len(self._footing), 3), np.nan)
         for _ in range(self._repeat):
             self._tick(stick)
             on_ground = self._footing > 0

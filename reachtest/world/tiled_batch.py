@@ -44,12 +44,9 @@ class TiledBatch:
         self._running = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]
         self._batch = batch.Batch(self._running[0], len(starts), nthread=threads, persistent=True)
         self._batch.set_models(self._running)
-        self.position: Floats = self._batch.bind("qpos")  # [B, 3]
-        self.velocity: Floats = self._batch.bind("qvel")  # [B, 3]
-        self.force: Floats = self._batch.bind("qfrc_applied")  # [B, 3]
-        self.sensor: Floats = self._batch.bind("sensordata").reshape(-1, CONTACT_SLOTS, CONTACT_FIELDS)
         self._failed = np.zeros(len(starts), dtype=np.bool_)
         self._batch.reset()
+        self.use(len(starts))
 
     @property
     def tiles_compiled(self) -> int:
@@ -60,6 +57,20 @@ class TiledBatch:
     def threads(self) -> int:
         """Threads that simulate."""
         return self._batch.nthread
+
+    @property
+    def size(self) -> int:
+        """B."""
+        return self._batch.nsim
+
+    def use(self, count: int) -> None:
+        """From now on only the first `count` simulations take part: they are B."""
+        self._in_use = None if count == self.size else np.arange(count)
+        self.position: Floats = self._batch.bind("qpos")[:count]  # [B, 3]
+        self.velocity: Floats = self._batch.bind("qvel")[:count]  # [B, 3]
+        self.force: Floats = self._batch.bind("qfrc_applied")[:count]  # [B, 3]
+        sensor = self._batch.bind("sensordata")[:count]
+        self.sensor: Floats = sensor.reshape(-1, CONTACT_SLOTS, CONTACT_FIELDS)
 
     def set_state(self, ids: Ints, position: Floats, velocity: Floats) -> None:
         """Start simulations [n] afresh from positions and velocities [n, 3]; follow with `enter_tiles` and `touch`."""
@@ -72,7 +83,8 @@ class TiledBatch:
 
         What they touch does not change by that, but `sensor` says nothing of them until the next step or `touch`.
         """
-        here, low, high = self.position, self._partition.low[self._tile], self._partition.high[self._tile]
+        here, tile = self.position, self._tile[: len(self.position)]
+        low, high = self._partition.low[tile], self._partition.high[tile]
         left: Bools = np.asarray(~((here >= low) & (here < high)).all(axis=1), dtype=np.bool_)
         ids = indices(left) if only is None else only[left[only]]
         if not len(ids):
@@ -90,7 +102,7 @@ class TiledBatch:
 
     def step(self) -> None:
         """One physics step of everybody under `force`, and the contacts where it led."""
-        self._call(lambda: self._batch.step(nstep=1, stage=_FRESH))
+        self._call(lambda: self._batch.step(self._in_use, nstep=1, stage=_FRESH))
 
     def touch(self, ids: Ints) -> None:
         """Contacts of states [n] that were written from outside."""
@@ -102,9 +114,10 @@ class TiledBatch:
 
     def diverged(self) -> Bools:
         """Which simulations [B] failed since `set_state`: an error, a warning, or numbers that are none."""
+        count = len(self.position)
         finite = np.isfinite(self.position).all(axis=1) & np.isfinite(self.velocity).all(axis=1)
-        warned = (self._batch.warning[:, :, 1] > 0).any(axis=1)
-        return np.asarray(self._failed | ~finite | warned, dtype=np.bool_)
+        warned = (self._batch.warning[:count, :, 1] > 0).any(axis=1)
+        return np.asarray(self._failed[:count] | ~finite | warned, dtype=np.bool_)
 
     def _compile(self, tile: int) -> mujoco.MjModel:
         return self._template.fill(self._pieces.take(self._partition.members[tile]))

@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from reachtest import pipeline
+from reachtest.signals import StopOnSignal
+
 COMMAND = [sys.executable, "-m", "reachtest"]
 FILES = {"report.json", "summary.md", "junit.xml", "coverage.json", "run.mcap", "state"}
 
@@ -114,6 +117,28 @@ def test_a_signal_ends_the_run_with_what_was_found(closed_yard, tmp_path, number
     assert process.returncode == status, stderr
     assert {p.name for p in tmp_path.iterdir()} == FILES
     assert json.loads((tmp_path / "report.json").read_text())["exit_code"] == status
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_while_confirming_leaves_the_rest_unconfirmed(open_yard, tmp_path, number, status) -> None:
+    phases: list[str] = []
+
+    def tell(what: str, *_: int) -> None:
+        if what == "confirming findings" and what not in phases:
+            os.kill(os.getpid(), number)
+        phases.append(what)
+
+    options = pipeline.RunOptions(open_yard, tmp_path)
+    with StopOnSignal() as interrupted:
+        report, _ = pipeline.run(pipeline.load(options), options, [], interrupted, tell)
+    assert report.verdict.exit_code == status
+    assert {p.name for p in tmp_path.iterdir()} == FILES
+    written = json.loads((tmp_path / "report.json").read_text())
+    (finding,) = (f for f in written["findings"] if f["kind"] == "fell_out_of_world")
+    assert finding["gating"]
+    assert finding["confirmation"] is None
+    assert written["stop_reason"] == report.exploration.stop_reason.name.lower()
+    assert "unconfirmed" in (tmp_path / "summary.md").read_text()
 
 
 def test_all_mistakes_come_at_once_and_nothing_is_run(tmp_path) -> None:

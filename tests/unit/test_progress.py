@@ -72,11 +72,27 @@ def test_a_terminal_gets_a_bar(clock) -> None:
         assert fact in stream.getvalue()
 
 
+def test_the_work_after_the_exploration_is_told_too(clock) -> None:
+    log, terminal = io.StringIO(), Terminal()
+    with progress_for(SETTINGS, quiet=False, stream=log) as display:
+        for second in range(12):
+            clock[0] += 1.0
+            display.tell("looking for pockets", second + 1, 12)
+    assert log.getvalue().splitlines() == ["looking for pockets, 5 of 12", "looking for pockets, 10 of 12"]
+    with progress_for(SETTINGS, quiet=False, stream=terminal) as display:
+        display.on_round(record(20_000))
+        display.tell("confirming findings", 2, 5)
+        display._progress.refresh()
+    assert "2 of 5" in terminal.getvalue()
+    assert "confirming findings" in terminal.getvalue()
+
+
 @pytest.mark.parametrize("stream", [io.StringIO(), Terminal()], ids=["log", "terminal"])
 def test_quiet_says_nothing(clock, stream) -> None:
     with progress_for(SETTINGS, quiet=True, stream=stream) as display:
         clock[0] += 60.0
         display.on_round(record(20_000))
+        display.tell("confirming findings", 2, 5)
     assert stream.getvalue() == ""
 
 

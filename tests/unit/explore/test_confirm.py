@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from reachtest.explore.confirm import Confirmer
+from reachtest.explore.shorten import pursuits
 from reachtest.explore.trials import Lane, run_lanes
+from reachtest.explore.variation import vary
 from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
 from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
@@ -150,3 +152,42 @@ def test_what_has_no_path_stays_as_it_is_and_gating_ones_come_first() -> None:
     assert (first.id, second.id) == ("it", "other")
     assert second is pathless
     assert confirmer.confirm([pathless]) == (pathless,)
+
+
+def test_once_interrupted_what_is_not_confirmed_yet_stays_as_it_was_found(monkeypatch) -> None:
+    monkeypatch.setattr("reachtest.explore.confirm.AT_ONCE", 1)
+    where, told = platform(), []
+    simulator = MujocoSimulator(where, where.explore.lanes, 1)
+    surface = SurfaceIndex(where.navmesh.triangles, 3.0)
+    long = found(where, simulator, [(WEST, 4), (EAST, 44)], "fell_out_of_world")
+    short = replace(found(where, simulator, [(EAST, 40)], "fell_out_of_world"), id="short")
+    confirmer = Confirmer(
+        where,
+        simulator,
+        surface,
+        0,
+        lambda finer, n: MujocoSimulator(finer, n, 1),
+        lambda: told[-1][1] == 2,
+        lambda *what: told.append(what),
+    )
+    first, second = confirmer.confirm([long, short])
+    assert told[0] == ("confirming findings", 1, 2)
+    assert told[-1] == ("confirming findings", 2, 2)
+    assert second.confirmation is not None
+    assert first is long
+    assert len(simulator.save()) == simulator.agents  # and all of them are in use again
+
+
+@pytest.mark.parametrize("agents", [2, 5, 32])
+def test_what_becomes_of_a_lane_does_not_depend_on_how_many_run_beside_it(agents) -> None:
+    where = platform()
+    rng = np.random.default_rng(1)
+    one, many = MujocoSimulator(where, 1, 1), MujocoSimulator(where, agents, 1)
+    state = one.place(where.spawns[0].position[None])[0]
+    way = run_lanes(one, [Lane(state, np.tile(np.array([[EAST, 0]], dtype=np.int8), (40, 1)), 40)])[0]
+    lanes = [Lane(state, plan, 15 + 4 * i) for i, plan in enumerate(pursuits(way, 6, 40, rng))]
+    lanes += [Lane(state, vary(way.actions, 60, rng), 60 - 7 * i) for i in range(6)]
+    for alone, beside in zip(run_lanes(one, lanes), run_lanes(many, lanes), strict=True):
+        np.testing.assert_array_equal(alone.states, beside.states)
+        np.testing.assert_array_equal(alone.actions, beside.actions)
+        assert alone.fell == beside.fell

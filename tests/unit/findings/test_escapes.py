@@ -161,3 +161,43 @@ def test_two_rims_that_face_each_other_over_a_gap_are_two() -> None:
     platforms = [box([-30, -20, -1], [-2.25, 20, 0]), box([2.25, -20, -1], [30, 20, 0])]
     off = [falls([side * 2.3, side * y], [-side, 0], far=2) for side in (-1, 1) for y in (2.0, 4.0, 6.0)]
     assert len(found(*platforms, result=exploration(falls=off))) == 2
+
+
+def test_who_jumps_off_a_tower_and_over_the_rim_fell_off_the_rim() -> None:
+    tower = box([44, -3, 0], [48, 3, 12])
+    off = [falls([47.9, y, 12], [1, 0.1 * y], far=20.0) for y in (-1.0, 0.0, 1.0)]
+    off += [falls([59.9, y], [1, 0]) for y in (-30.0, -20.0, 20.0)]
+    (rim,) = found(FLOOR, tower, result=exploration(falls=off))
+    assert rim.exits[:, 0].min() > 59
+    assert np.abs(rim.exits[:, 2]).max() < 0.1
+
+
+def test_a_rim_goes_on_over_a_plateau_that_was_jumped_from() -> None:
+    plateau = box([52, 0, 0], [60, 60, 6])
+    low = [falls([59.9, y], [1, 0]) for y in (-9.0, -5.0, -3.0)]
+    high = [falls([59.9, y, 6], [1, 0]) for y in (1.0, 5.0)]
+    jump = [falls([58.5, 0.2, 6], [1, -1])]  # over the corner: past the plateau, off the ground
+    assert len(found(FLOOR, plateau, result=exploration(falls=low + high))) == 2
+    assert len(found(FLOOR, plateau, result=exploration(falls=low + high + jump))) == 1
+
+
+def over_the_alley(exit_x, footing_x) -> Fall:
+    """By a running jump from a roof to a wall top beyond an alley, and off it."""
+    end, footing = np.array([footing_x, 60.0, KILL_Z - 1]), np.array([footing_x, 52.9, 4.0])
+    return Fall(Origin(-1, 0, 0, 0, 9), end, footing, np.array([exit_x, 47.4, 4.0]))
+
+
+ALLEY = [box([-60, 40, 3], [60, 50, 4]), box([-60, 52, 0], [60, 53, 4])]
+STREET = box([-60, -60, -1], [60, 53, 0])
+
+
+def test_falls_off_a_ledge_beside_an_open_edge_are_one_however_few() -> None:
+    few = [over_the_alley(x, x + 3) for x in (-20.0, -8.0, 2.0, 14.0)]
+    past = falls([8.0, 49.0, 4.0], [0.1, 1], far=12)  # over the wall without touching it
+    assert len(found(STREET, *ALLEY, result=exploration(falls=[*few, past]))) == 1
+
+
+def test_two_gaps_to_one_ledge_are_two_also_where_they_lead_to_the_same_edge() -> None:
+    fence = [box([a, 49, 4], [b, 49.5, 6]) for a, b in ((-60, -9), (-7, 7), (9, 60))]
+    both = [over_the_alley(x, x / 8) for x in (-8.2, -8.0, 8.0, 8.2)]
+    assert len(found(STREET, *ALLEY, *fence, result=exploration(falls=both))) == 2

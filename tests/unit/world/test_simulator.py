@@ -106,3 +106,21 @@ def test_precision_does_not_depend_on_the_distance_from_the_origin() -> None:
             simulator.step(step)
         ends.append(simulator.save()[:, :3] - offset)
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-3)
+
+
+def test_who_is_not_in_use_changes_nothing() -> None:
+    where, rng = level(FLOOR, box([2, -9, 0], [2.5, 9, 3])), np.random.default_rng(4)
+    few, many = MujocoSimulator(where, 3, 1), MujocoSimulator(where, 8, 2)
+    states = few.place(starts(3))
+    many.use(3)
+    script = actions(rng, 40, 3)
+    for simulator in (few, many):
+        simulator.restore(np.arange(3), states)
+    for step in script:
+        one, other = few.step(step), many.step(step)
+        np.testing.assert_array_equal(one.stood, other.stood)
+        np.testing.assert_array_equal(one.ended, other.ended)
+        np.testing.assert_array_equal(few.save(), many.save())
+    many.use(8)
+    assert len(many.save()) == 8
+    np.testing.assert_array_equal(few.save(), many.save()[:3])
