@@ -157,6 +157,7 @@ def _as_the_reference(level: Level, theirs: dict[str, Any]) -> Level:
         walk_speed_mps=theirs["speed"],
         jump_speed_mps=theirs["jump_speed"],
         gravity_mps2=theirs["gravity"],
+        air_control=1.0,  # its files do not say, but it gets under rims that one cannot get under without
     )
     spawn = Spawn("reference", level.frame.to_level(np.array(theirs["spawn"])))
     return replace(level, character=character, spawns=(spawn,), required=())
