@@ -145,6 +145,11 @@ class Required:
     within_m: float
 
 
+OUTWARDS = (
+    0.25  # of the directed lanes push over the border while goals are open: with half, these come later
+)
+
+
 @dataclass(frozen=True)
 class ExploreSettings:
     """How to explore; defaults are the paper's where it states one."""
@@ -171,6 +176,11 @@ class ExploreSettings:
     directed: float = 0.25  # share of the lanes that push towards open goals and over the nav-mesh's border
     effort: int = 256  # directed attempts from its border before a part of the nav-mesh is called unreached
     stop_when_done: bool = False  # once everything is reached and `gate.max_discovery_probability` is met
+
+    @property
+    def directed_at_goals(self) -> float:
+        """Share of the lanes that push towards open goals while there are some; the others push over the border."""
+        return self.directed * (1.0 - OUTWARDS)
 
     @property
     def lanes(self) -> int:

@@ -7,11 +7,7 @@ import numpy as np
 from reachtest.explore.aim import Aim, Aims
 from reachtest.explore.borders import Borders
 from reachtest.explore.cache import PositionCache
-from reachtest.records import Candidates
-
-OUTWARDS = (
-    0.25  # of the directed lanes push outwards while goals are open: with half, goals came a tenth later
-)
+from reachtest.records import OUTWARDS, Candidates
 
 
 class Directed:
