@@ -145,6 +145,11 @@ class Required:
     within_m: float
 
 
+OUTWARDS = (
+    0.25  # of the directed lanes push over the border while goals are open: with half, these come later
+)
+
+
 @dataclass(frozen=True)
 class ExploreSettings:
     """How to explore; defaults are the paper's where it states one."""
@@ -168,9 +173,14 @@ class ExploreSettings:
     goal_spacing_m: float = 4.0
     goal_radius_m: float = 1.0
     expected_within_m: float = 3.0
-    directed: float = 0.25  # share of the lanes that push towards an open goal on purpose
+    directed: float = 0.25  # share of the lanes that push towards open goals and over the nav-mesh's border
     effort: int = 256  # directed attempts from its border before a part of the nav-mesh is called unreached
     stop_when_done: bool = False  # once everything is reached and `gate.max_discovery_probability` is met
+
+    @property
+    def directed_at_goals(self) -> float:
+        """Share of the lanes that push towards open goals while there are some; the others push over the border."""
+        return self.directed * (1.0 - OUTWARDS)
 
     @property
     def lanes(self) -> int:
@@ -415,7 +425,7 @@ class Exploration:
     settings: ExploreSettings
     timing: dict[str, float]  # physics_s, cache_s, rest_s, wall_s
     headings: NDArray[np.int8] = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int8))
-    # [rounds, B] the way each directed lane pushed (1 to 8 by 45 degrees); 0 for the others
+    # [rounds, B] the way each directed lane pushed (1 to 8 by 45 degrees, 9 to 16 jumping more); 0 for the others
     goal_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     # [G] directed at it since a goal of the same open part was reached last
     goal_border_m: Floats = field(default_factory=lambda: np.zeros(0))  # [G] nearest place they began at
@@ -428,6 +438,11 @@ class Exploration:
     probe_episodes: int = 0  # of the search for ways back; outside the step budget
     probe_steps: int = 0  # [agent steps] likewise
     risk_curve: tuple[RiskSample, ...] = ()  # over the run, evenly in agent steps; the last is its end
+    border: Floats = field(
+        default_factory=lambda: np.zeros((0, 3))
+    )  # [n, 3] places along the nav-mesh's border
+    border_pushes: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    # [n] episodes that pushed outwards there, on purpose or not
 
     @property
     def discovery_probability(self) -> float:

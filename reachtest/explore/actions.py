@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from reachtest.records import Floats, Ints
 
 HOLD_STEPS = 6.0  # mean of the geometric time a direction is held: carries further than fresh noise
+HEADINGS = 8  # ways to push; as many again push that way mostly jumping
+PUSH_JUMP_SHARE = 0.6  # of the holds of those: over a low wall it takes a jump right before it, and another
 JUMP_SHARE = 0.25  # of the holds are made jumping
 CENTRED_SHARE = 0.05  # of the holds stand still: enough for what only waiting finds
 HEADING_SHARE = (
@@ -23,8 +25,9 @@ def action_stream(
 ) -> NDArray[np.int8]:
     """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
 
-    With a `heading` (1 to 8) most of them push that way; 0 is for no way in particular.
+    With a `heading` (1 to 8, or 9 to 16 to jump more) most of them push that way; 0 is for no way in particular.
     """
+    jump_share = PUSH_JUMP_SHARE if heading > HEADINGS else jump_share
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
     change = rng.random(steps) < 1.0 / HOLD_STEPS
     change[0] = True

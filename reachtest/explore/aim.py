@@ -26,11 +26,11 @@ CHOICE = 32  # cached points around a goal to start from: all round it, and abov
 
 @dataclass(frozen=True)
 class Aim:
-    """What the directed lanes of a round do."""
+    """What directed lanes of a round do."""
 
     starts: Ints  # [B] cached points
-    headings: Ints  # [B] 1 to 8
-    goals: Ints  # [B] the goal each pushes towards
+    headings: Ints  # [B] 1 to 8, or 9 to 16: see `action_stream`
+    targets: Ints  # [B] what each is counted for: a goal, or a place to push from
 
 
 class Aims:

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from reachtest.explore.actions import action_stream, start_generator
 from reachtest.explore.aim import Aims
+from reachtest.explore.borders import Borders
+from reachtest.explore.directed import Directed
 from reachtest.explore.heuristics import mixture
 from reachtest.explore.ledger import Ledger
 from reachtest.explore.probe import Probed, Prober
@@ -57,8 +59,10 @@ class Explorer:
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
         self._islands = islands or Islands(level.navmesh)
-        self._wanted, self._required_connected = self._worth()
-        self._aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
+        self._wanted, self._required_connected, faces = self._worth()
+        aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
+        lanes = level.explore.directed * level.explore.lanes
+        self._directed = Directed(aims, Borders(level.navmesh, faces), lanes)
         self._headings: list[NDArray[np.int8]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
 
@@ -85,7 +89,7 @@ class Explorer:
     def _exploration(
         self, points: Points, probed: Probed, stop: StopReason, timing: dict[str, float]
     ) -> Exploration:
-        ledger, aims = self._ledger, self._aims
+        ledger, aims, borders = self._ledger, self._directed.aims, self._directed.borders
         count = len(ledger.on_navmesh)
         once, twice, cells = ledger.visits.incidence()
         return Exploration(
@@ -113,6 +117,8 @@ class Explorer:
             probe_episodes=probed.episodes,
             probe_steps=probed.steps,
             risk_curve=ledger.risk.samples,
+            border=borders.places,
+            border_pushes=borders.pushes,
             timing=timing,
         )
 
@@ -135,16 +141,16 @@ class Explorer:
         """What a cached point takes outside the tree."""
         return self._ledger.archive.bytes_per_point
 
-    def _worth(self) -> tuple[Bools, Bools]:
-        """The goals [G] that somebody should be able to get to: not those on the roofs, but all required points; and
-        which required points [R] the nav-mesh connects to a spawn."""
+    def _worth(self) -> tuple[Bools, Bools, Bools]:
+        """The goals [G] that somebody should be able to get to: not those on the roofs, but all required points;
+        which required points [R] the nav-mesh connects to a spawn; and which of its faces [F]."""
         goals, count = self._ledger.goals.goals, len(self._ledger.on_navmesh)
         spawns = np.array([spawn.position for spawn in self._level.spawns])
         islands = goal_islands(self._islands, spawns, goals)
         worth = islands.goals_count
         worth[count:] = True
         island = islands.goal_island[count:]
-        return worth, (island >= 0) & islands.connected[island]
+        return worth, (island >= 0) & islands.connected[island], islands.connected[islands.labels]
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings
@@ -167,10 +173,12 @@ class Explorer:
             action_stream(self._seed, number, lane, s.reset_interval, heading)[:length]
             for lane, heading in enumerate(headings.tolist())
         ]
+        actions = np.stack(streams, axis=1)
         began = time.monotonic()
-        rolled = roll_out(self._simulator, self._ledger.states_of(parents), np.stack(streams, axis=1))
+        rolled = roll_out(self._simulator, self._ledger.states_of(parents), actions)
         self._physics_s += time.monotonic() - began
         new = self._ledger.record(rolled, parents)
+        self._directed.borders.note(rolled.positions, actions[:, :, 0])
         self._tell(rolled, new)
 
     def _draw_starts(self) -> tuple[Ints, NDArray[np.int8]]:
@@ -189,15 +197,10 @@ class Explorer:
         starts = np.minimum(
             np.searchsorted(total, rng.random(shape) * total[-1], side="right"), len(weight) - 1
         )
-        aim = self._aims.draw(rng, self._directed_lanes(number), self._ledger.cache, candidates)
+        aim = self._directed.draw(rng, number, self._ledger.cache, candidates)
         if aim is not None:  # an episode that ends early is tried again from where it began
             starts[:, : len(aim.starts)], headings[: len(aim.starts)] = aim.starts, aim.headings
         return starts, headings
-
-    def _directed_lanes(self, number: int) -> int:
-        """How many lanes of a round are directed: the share to the nearest whole number, over the rounds."""
-        each = self._settings.directed * self._settings.lanes
-        return int(np.floor((number + 1) * each) - np.floor(number * each))
 
     def _tell(self, rolled: Trajectories, new: Ints) -> None:
         ledger = self._ledger

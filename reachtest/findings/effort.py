@@ -111,6 +111,6 @@ def steps_to_go(exploration: Exploration, counts: Bools) -> int | None:
     missed = np.flatnonzero(exploration.required_step < 0).tolist()
     tries += [attempts_at_required(exploration, i) for i in missed if is_connected(exploration, i)]
     short = sum(max(0, s.effort - done) for done in tries)
-    attempts = short / s.directed * s.reset_interval if s.directed else 0.0
+    attempts = short / s.directed_at_goals * s.reset_interval if s.directed else 0.0
     digits = -3 if max(at_rate, attempts) > 10_000 else 0
     return int(round(max(at_rate, attempts), digits)) or None

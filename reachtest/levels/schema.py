@@ -308,7 +308,10 @@ class ExploreSpec(Spec):
         description="Beyond this from the nav-mesh is unexpected [m].",
     )
     directed: float = Field(
-        _EXPLORE.directed, ge=0, le=1, description="Share of the episodes that push towards an open goal."
+        _EXPLORE.directed,
+        ge=0,
+        le=1,
+        description="Share of the episodes that push towards open goals and over the nav-mesh's border.",
     )
     effort: int = Field(
         _EXPLORE.effort,

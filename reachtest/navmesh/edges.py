@@ -9,11 +9,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from reachtest.geometry import expand
 from reachtest.navmesh.faces import FaceIndex
 from reachtest.records import Floats, Ints, NavMesh
 
 SAME_M = 1e-3  # vertices of one edge, as two polygons state it in float32
 GAP_M = 0.1  # between borders that belong together; erosion keeps the two sides of a wall farther apart
+_BEYOND_GAP_M = 1.5 * GAP_M  # out there another face would have begun
 OVERLAP_M = 0.05  # of two borders: less is a touch at a corner
 PARALLEL = 0.966  # cosine of 15 degrees: borders that merely meet at a corner run apart sooner
 _PIECE_M = 0.5  # edges are looked up in pieces of this length: near pieces, few pairs
@@ -27,6 +29,31 @@ def neighbours(navmesh: NavMesh, climb_m: float) -> Ints:
     Borders of different faces lie against each other where they run along each other within `GAP_M`
     horizontally and `climb_m` vertically for more than `OVERLAP_M`. A border may also run over a face.
     """
+    shared, ends, owner = _edges(navmesh)
+    pairs = _touching(ends, owner, climb_m)
+    open_ = np.ones(len(ends), dtype=np.bool_)
+    open_[pairs] = False
+    onto = _landing(navmesh, ends[open_], owner[open_], climb_m)
+    return np.concatenate([shared, owner[pairs], onto])
+
+
+def border(navmesh: NavMesh, piece_m: float, climb_m: float) -> tuple[Floats, Floats, Ints]:
+    """The border in pieces of at most `piece_m`: where the surface ends and no other face goes on beside it.
+
+    Returns their middles [n, 3], unit vectors straight outwards [n, 2], and the faces that end there [n].
+    """
+    _, ends, owner = _edges(navmesh)
+    middles, edge = _cut(ends, piece_m)
+    outwards = _outwards(navmesh, ends, owner)[edge]
+    beside = middles.copy()
+    beside[:, :2] += _BEYOND_GAP_M * outwards
+    beneath, _ = FaceIndex(navmesh.triangles, 0.0).below(beside, climb_m, climb_m)
+    ends_here = (beneath < 0) & outwards.any(axis=1)
+    return middles[ends_here], outwards[ends_here], owner[edge[ends_here]]
+
+
+def _edges(navmesh: NavMesh) -> tuple[Ints, Floats, Ints]:
+    """Pairs of faces [N, 2] that share an edge; and the edges of one face only: ends [E, 2, 3] and the face [E]."""
     corner = _weld(navmesh.vertices)[navmesh.faces]  # [F, 3]
     edge = np.sort(np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     face = np.repeat(np.arange(len(navmesh.faces)), 3)
@@ -35,14 +62,18 @@ def neighbours(navmesh: NavMesh, climb_m: float) -> Ints:
     shared = np.stack([face[order[:-1]][same], face[order[1:]][same]], axis=1)
     alone = np.ones(len(edge), dtype=np.bool_)
     alone[order[:-1][same]] = alone[order[1:][same]] = False
-    border = np.flatnonzero(alone & (edge[:, 0] != edge[:, 1]))
+    single = np.flatnonzero(alone & (edge[:, 0] != edge[:, 1]))
     ends = np.stack([navmesh.triangles, np.roll(navmesh.triangles, -1, axis=1)], axis=2).reshape(-1, 2, 3)
-    ends, owner = ends[border], face[border]
-    pairs = _touching(ends, owner, climb_m)
-    open_ = np.ones(len(border), dtype=np.bool_)
-    open_[pairs] = False
-    onto = _landing(navmesh, ends[open_], owner[open_], climb_m)
-    return np.concatenate([shared, owner[pairs], onto])
+    return shared, ends[single], face[single]
+
+
+def _outwards(navmesh: NavMesh, ends: Floats, owner: Ints) -> Floats:
+    """Horizontal unit vectors [E, 2] away from the owners of edges [E, 2, 3]; zero for an upright edge."""
+    along = (ends[:, 1] - ends[:, 0])[:, :2]
+    aside = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    aside /= np.maximum(np.linalg.norm(aside, axis=1), SAME_M)[:, None]
+    inwards = ((navmesh.triangles[owner].mean(axis=1) - ends.mean(axis=1))[:, :2] * aside).sum(axis=1)
+    return np.where(inwards > 0, -1.0, 1.0)[:, None] * aside
 
 
 def _landing(navmesh: NavMesh, ends: Floats, owner: Ints, climb_m: float) -> Ints:
@@ -51,11 +82,7 @@ def _landing(navmesh: NavMesh, ends: Floats, owner: Ints, climb_m: float) -> Int
     As the foot of a ramp that somebody laid onto a floor without cutting it.
     """
     middle = ends.mean(axis=1)
-    along = (ends[:, 1] - ends[:, 0])[:, :2]
-    aside = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    aside /= np.maximum(np.linalg.norm(aside, axis=1), SAME_M)[:, None]
-    inwards = ((navmesh.triangles[owner].mean(axis=1) - middle)[:, :2] * aside).sum(axis=1)
-    middle[:, :2] -= np.where(inwards > 0, 1.0, -1.0)[:, None] * (GAP_M / 2) * aside
+    middle[:, :2] += GAP_M / 2 * _outwards(navmesh, ends, owner)
     beneath, _ = FaceIndex(navmesh.triangles, 0.0).below(middle, climb_m, climb_m)
     found = (beneath >= 0) & (beneath != owner)
     return np.stack([owner[found], beneath[found]], axis=1)
@@ -89,17 +116,22 @@ def _near_pairs(ends: Floats, climb_m: float) -> Ints:
         return np.empty((0, 2), dtype=np.int64)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     piece_m = max(_PIECE_M, float(length.sum()) / _MOST_PIECES)
-    count = np.maximum(np.ceil(length / piece_m), 1).astype(np.int64)
-    edge = np.repeat(np.arange(len(ends)), count)
-    place = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
-    share = ((place + 0.5) / count[edge])[:, None]
-    middles = ends[edge, 0] * (1 - share) + ends[edge, 1] * share
+    middles, edge = _cut(ends, piece_m)
     reach = piece_m + float(np.hypot(GAP_M, climb_m))
     found = cKDTree(middles).query_pairs(reach, output_type="ndarray")
     pairs = np.sort(edge[found], axis=1)
     packed = np.sort(pairs[:, 0] * len(ends) + pairs[:, 1])
     packed = packed[np.append(True, packed[1:] != packed[:-1])[: len(packed)]]  # faster than np.unique
     return np.stack([packed // len(ends), packed % len(ends)], axis=1)
+
+
+def _cut(ends: Floats, piece_m: float) -> tuple[Floats, Ints]:
+    """Edges [E, 2, 3] in pieces of at most `piece_m`: their middles [n, 3], and the edge of each [n]."""
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    count = np.maximum(np.ceil(length / piece_m), 1).astype(np.int64)
+    edge, place = expand(count)
+    share = ((place + 0.5) / count[edge])[:, None]
+    return ends[edge, 0] * (1 - share) + ends[edge, 1] * share, edge
 
 
 def _against(first: Floats, second: Floats, climb_m: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from reachtest.navmesh.survey import Survey
-from reachtest.records import Exploration, Finding, Level, ReplayPath, Verdict
+from reachtest.records import Exploration, Finding, Ints, Level, ReplayPath, Verdict
 from reachtest.report.risk import risk_section
 
 SCHEMA_VERSION = 1
@@ -123,6 +123,17 @@ def _coverage(exploration: Exploration, survey: Survey) -> dict[str, Any]:
         "goals_unreached_by_mismatch": int(survey.explained.sum()),
         "islands": len(islands.connected),
         "islands_connected": int(islands.connected.sum()),
+        "border": _border(exploration.border_pushes),
+    }
+
+
+def _border(pushes: Ints) -> dict[str, Any]:
+    """How much of the nav-mesh's border was tried: episodes that pushed at each of its places [n]."""
+    return {
+        "places": len(pushes),
+        "pushed": int((pushes > 0).sum()),
+        "pushes_least": int(pushes.min()) if len(pushes) else None,
+        "pushes_median": plain(float(np.median(pushes))) if len(pushes) else None,
     }
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reachtest.records import Finding, Level, Report, StopReason
+from reachtest.records import Finding, Ints, Level, Report, StopReason
 from reachtest.report.risk import recent_sentence, risk_sentence
 
 MAX_TEXT = 160  # characters of a name or title: a generated name can be longer than the page
@@ -170,6 +170,7 @@ def run_facts(report: Report) -> list[tuple[str, str]]:
     positions = report.document["positions"]
     facts = [
         ("Goals", f"{reached:,} of {total:,} reached ({percent:g} %){_goals_that_count(report)}"),
+        ("Border", _border(exploration.border_pushes)),
         ("Positions", f"{positions['discovered']:,}, of which {positions['unexpected']:,} off the nav-mesh"),
         ("Risk", risk_sentence(report)),
         ("Discovery", recent_sentence(report)),
@@ -197,6 +198,14 @@ def _goals_that_count(report: Report) -> str:
     if total == len(report.exploration.goals):
         return ""
     return f"; {reached:,} of the {total:,} that a spawn is connected to and the character can get to"
+
+
+def _border(pushes: Ints) -> str:
+    """How much of the nav-mesh's border was tried, by the pushes at each place [n]; empty without any."""
+    if not len(pushes):
+        return ""
+    tried = f"{(pushes > 0).sum():,} of {len(pushes):,} places along the nav-mesh's border were pushed at"
+    return f"{tried}, half of them at least {np.median(pushes):,.0f} times"
 
 
 def _stop(report: Report) -> str:

@@ -149,7 +149,7 @@ def test_who_falls_stood_within_a_jump_of_the_edge(tmp_path, seed) -> None:
     simulator = MujocoSimulator(level, level.explore.lanes, 1)
     surface = SurfaceIndex(level.navmesh.triangles, level.explore.expected_within_m)
     result = Explorer(level, simulator, surface, seed).run()
-    Replayer(level, simulator, result.points, seed).check()
+    Replayer(level, simulator, result.points, seed, result.headings).check()
     assert len(result.falls) > 20
     away = np.array([EDGE_M - fall.footing[0] for fall in result.falls])
     assert away.max() < JUMP_M + 0.8, f"{(away > JUMP_M + 0.8).sum()} of {len(away)}"

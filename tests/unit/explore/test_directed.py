@@ -55,7 +55,7 @@ def test_every_open_part_gets_its_share_however_large_it_is() -> None:
         drawn = aim.draw(np.random.default_rng(seed), 8, cache, candidates)
     assert aim.attempts[:-1].sum() == aim.attempts[-1] == 16
     assert drawn is not None
-    ahead = drawn.goals < len(large)
+    ahead = drawn.targets < len(large)
     assert set(drawn.headings[ahead]) <= {1, 2, 3, 4, 5}  # north, give or take
     assert set(drawn.headings[~ahead]) == {7}
 
@@ -85,7 +85,7 @@ def test_no_effort_is_wasted_on_what_nobody_should_get_to() -> None:
     aim, _ = aims([[4, 0, 0], [0, 4, 0]], worth=[False, True])
     drawn = aim.draw(np.random.default_rng(0), 8, *cached([0, 0, 0]))
     assert drawn is not None
-    assert set(drawn.goals) == {1}
+    assert set(drawn.targets) == {1}
     nothing, _ = aims([[4, 0, 0]], worth=[False])
     assert nothing.draw(np.random.default_rng(0), 8, *cached([0, 0, 0])) is None
 

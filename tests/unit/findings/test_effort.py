@@ -96,5 +96,5 @@ def test_the_estimate_goes_by_the_goals_reached_lately_and_by_the_attempts_to_ma
     tried = after([0, 64, 64, 0])  # one goal in the last third of 1,000 steps, two to go
     assert steps_to_go(tried, everything) == round(2 * 1000 / 3)
     untried = after([0, 0, 0, 0])  # 64 attempts of 32 steps by a quarter of the lanes
-    assert steps_to_go(untried, everything) == 64 * 32 * 4
+    assert steps_to_go(untried, everything) == round(64 * 32 / ExploreSettings().directed_at_goals, -3)
     assert steps_to_go(replace(tried, goal_step=np.array([5, -1, -1, 6])), everything) is None

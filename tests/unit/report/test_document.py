@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from reachtest.records import StopReason
+from reachtest.report.wording import run_facts
 from tests.unit.report.make import (
     FAIL,
     make_exploration,
@@ -147,3 +148,18 @@ def test_config_holds_everything_in_force() -> None:
 @pytest.mark.parametrize("reason", StopReason)
 def test_stop_reason_is_a_word_for_programs(reason: StopReason) -> None:
     assert document(stop_reason=reason)["stop_reason"] == reason.name.lower()
+
+
+def test_the_border_is_told_in_the_document_and_in_words() -> None:
+    pushes = np.array([0, 3, 5, 1_200])
+    report = make_report(exploration=make_exploration(border=np.zeros((4, 3)), border_pushes=pushes))
+    border = report.document["coverage"]["border"]
+    assert border == {"places": 4, "pushed": 3, "pushes_least": 0, "pushes_median": 4.0}
+    sentence = "3 of 4 places along the nav-mesh's border were pushed at, half of them at least 4 times"
+    assert ("Border", sentence) in run_facts(report)
+
+
+def test_where_no_border_is_known_nothing_is_said_of_it() -> None:
+    report = make_report(exploration=make_exploration())
+    assert report.document["coverage"]["border"]["pushes_least"] is None
+    assert "Border" not in dict(run_facts(report))
