@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reachtest.geometry import grid_surface
 from reachtest.levels import load_level
-from reachtest.levels.grids import MOST_SAMPLES, grid_points, skirt, surface
+from reachtest.levels.grids import MOST_SAMPLES, grid_points, skirt
 from reachtest.levels.solids import find_leaks
 from reachtest.records import Floats
 from tests.unit.levels.make import WriteLevel, only_problem, problems_of
@@ -206,7 +207,7 @@ def test_a_terrain_is_no_solid(write_level: WriteLevel) -> None:
 
 def test_skirt_closes_the_surface() -> None:
     points = grid_points(RAMP, (6, 4))
-    closed = np.concatenate([surface(points), skirt(points, -2)])
+    closed = np.concatenate([grid_surface(points), skirt(points, -2)])
     assert find_leaks(closed).closed
     volume = np.linalg.det(closed).sum() / 6
     assert volume == pytest.approx(6 * 4 * (2 + RAMP.mean()))  # of a plane: its middle height
