@@ -56,7 +56,8 @@ def _open_below(field: HeightField, others: Floats, level: Level) -> bool:
 
     Anything else of the collision counts, `others` [F, 3, 3], that leaves room for the character between it and the
     terrain above, or above what is within a capsule's width of the terrain's border: from a floor there it walks
-    in under the border. In case of doubt (something on a steep slope) the answer is yes.
+    in under the border. In case of doubt (something on a steep slope) the answer is yes. Who jumps in from
+    farther away falls out of the world, with a solid terrain in its way as without.
     """
     c = level.character
     starts = np.array([spawn.position for spawn in level.spawns])

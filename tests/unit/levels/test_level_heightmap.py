@@ -71,6 +71,22 @@ def test_low_corner_at_position_and_first_row_at_plus_y(write_level: WriteLevel)
     assert at(triangles, 3, 4) == 3 + 2.5
 
 
+def test_the_level_knows_the_grid_and_its_triangles(write_level: WriteLevel) -> None:
+    level = load_level(with_map(write_level, "a.npy", npy(RAMP)))
+    (field,) = level.height_fields
+    np.testing.assert_allclose([field.low, field.high], [[1, 2], [7, 6]])
+    np.testing.assert_array_equal(field.heights, RAMP[::-1] + 3)
+    np.testing.assert_array_equal(level.collision[field.first :], grid_surface(field.points))
+
+
+def test_the_grid_is_found_behind_triangles_that_were_left_out(write_level: WriteLevel) -> None:
+    path = with_map(write_level, "a.npy", npy(RAMP))
+    (path.parent / "thin.obj").write_text("v 0 0 0\nv 5 0 0\nv 5 5 0\nv 9 0 0\nf 1 2 3\nf 1 2 4\n")
+    path.write_text(path.read_text().replace("- heightmap:", "- mesh: thin.obj\n- heightmap:"))
+    level = load_level(path)
+    assert level.height_fields[0].first == 12 + 1 == len(level.collision) - 12
+
+
 @pytest.mark.parametrize(("dtype", "white"), [(np.uint8, 255), (np.uint16, 65_535)])
 def test_full_white_is_height_m(write_level: WriteLevel, dtype: type, white: int) -> None:
     grey = np.array([[0, white], [white // 5, 0], [0, 0]], dtype=dtype)

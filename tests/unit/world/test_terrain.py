@@ -12,7 +12,7 @@ from reachtest.records import Character, Floats, HeightField, Ints, Level
 from reachtest.world import MujocoSimulator
 from reachtest.world.terrain import MOST_RANGE_M, split_terrain
 from tests.gym import CHARACTERS
-from tests.levels import EAST, STILL, Walk, box, level, with_terrain
+from tests.levels import EAST, STILL, UNREAL, Walk, box, level, with_terrain
 
 FAR = np.full((1, 3, 3), 500.0) + [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]  # what is of no account
 
@@ -141,6 +141,16 @@ def test_a_plane_far_from_the_origin_lies_where_it_should(high: float) -> None:
     field.heights[:5] += high  # less than a prism's thickness
     walker = Walk(FAR, start=[5000, 5005, -699.5], terrain=field)
     assert walker.go(1.0).here[2] == pytest.approx(-700.0, abs=0.003)
+
+
+@pytest.mark.parametrize("above", [-0.02, 0.05])
+def test_its_border_is_a_step_like_any_other(above: float) -> None:
+    """Its side is a wall down to the base; who may step that high gets onto it."""
+    edge = UNREAL.step_height_m + above
+    walker = Walk(box([-40, -5, -1], [-20, 5, 0]), start=[-25, 0, 0.02], terrain=plane(at=edge))
+    walker.go(4.0, EAST)
+    assert (walker.here[0] > -10) == (above < 0)
+    assert walker.here[2] == pytest.approx(edge if above < 0 else 0.0, abs=0.01)
 
 
 # --- where it may stand in ------------------------------------------------------------------------------
