@@ -32,7 +32,7 @@ def split_terrain(level: Level) -> tuple[Floats, tuple[HeightField, ...]]:
             if not _open_below(field, others, level):
                 kept[rows] = False
                 fields.append(field)
-    return level.collision[kept], tuple(fields)
+    return level.collision[kept] if fields else level.collision, tuple(fields)
 
 
 def _rows(field: HeightField) -> slice:
