@@ -42,8 +42,9 @@ class Heightmap(Spec):
 def build_heightmap(spec: Heightmap, frame: Frame, data: bytes) -> HeightField:
     """The grid of the surface, along the level's x and y; the first row of `data` lies at +y of the level.
 
-    It is open: no walls at its borders and nothing underneath. A NaN, a wrong kind of pixel or a grid that
-    is too large raises Unreadable, the last before any memory is taken for it.
+    The frame's axes and units are those of `position` alone: no height map is ever turned. It is open: no walls at
+    its borders and nothing underneath. A NaN, a wrong kind of pixel or a grid that is too large raises Unreadable,
+    the last before any memory is taken for it.
     """
     shares = _read_png(data) if Path(spec.file).suffix.lower() == ".png" else _read_npy(data)
     with np.errstate(over="ignore"):

@@ -247,7 +247,7 @@ class _Builder:
 
 
 def _moved_up(fields: Sequence[HeightField], thin: Bools) -> tuple[HeightField, ...]:
-    """The height fields in a collision without the `thin` [F] triangles, of which they have none themselves."""
+    """The height fields in a collision without its `thin` [F] triangles; one that loses some is none any more."""
     return tuple(dataclasses.replace(field, first=int((~thin[: field.first]).sum())) for field in fields)
 
 

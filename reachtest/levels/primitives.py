@@ -122,9 +122,8 @@ class Primitive:
     """A kind of primitive: what the file says of it and how it becomes triangles."""
 
     spec: type[Spec]
-    build: Callable[
-        ..., Floats | HeightField
-    ]  # of the spec, the frame and, where it has `files`, the file's bytes
+    # Of the spec, the frame and, where it has `files`, the file's bytes: triangles [F, 3, 3] or a grid of heights.
+    build: Callable[..., Floats | HeightField]
     description: str
     files: tuple[str, ...] = ()  # the types its key `file` can name; none: it has no such key
 

@@ -127,7 +127,7 @@ def _extent(field: HeightField) -> tuple[Floats, Floats]:
 
 
 def _span(field: HeightField) -> float:
-    """The height [m] of a share of 1: positive, also of a plane."""
+    """The height [m] of a share of 1: MuJoCo wants it positive, also of a plane."""
     return max(float(np.ptp(field.heights)), PRISM_M)
 
 
