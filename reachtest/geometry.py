@@ -21,6 +21,17 @@ def indices(mask: Bools | np.bool_) -> Ints:
     return np.asarray(mask).nonzero()[0]
 
 
+def grid_surface(points: Floats) -> Floats:
+    """Two triangles for each cell of `points` [R, C, 3], seen from above: [2 (R - 1) (C - 1), 3, 3].
+
+    A cell is split from (-x, -y) to (+x, +y), as MuJoCo 4.0 splits its height fields.
+    """
+    near, far = points[:-1], points[1:]
+    right = np.stack([near[:, :-1], near[:, 1:], far[:, 1:]], axis=2)
+    left = np.stack([near[:, :-1], far[:, 1:], far[:, :-1]], axis=2)
+    return np.stack([right, left], axis=2).reshape(-1, 3, 3)
+
+
 def triangle_normals(triangles: Floats) -> tuple[Floats, Floats]:
     """Unit normals [F, 3] (right-hand rule; zero where degenerate) and areas [F] [m2]."""
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

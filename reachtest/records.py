@@ -79,6 +79,23 @@ class Solid:
 
 
 @dataclass(frozen=True)
+class HeightField:
+    """A terrain sampled on a grid along x and y. Shape legend: R rows, towards +y; C columns, towards +x."""
+
+    low: Floats  # [2] x and y of the first sample
+    high: Floats  # [2] of the last
+    heights: Floats  # [R, C] z
+    first: int = 0  # its triangles are those of `Level.collision` from this one on
+
+    @property
+    def points(self) -> Floats:
+        """Positions [R, C, 3] of the samples."""
+        rows, columns = self.heights.shape
+        x, y = np.linspace(self.low, self.high, columns)[:, 0], np.linspace(self.low, self.high, rows)[:, 1]
+        return np.stack([*np.meshgrid(x, y), self.heights], axis=2)
+
+
+@dataclass(frozen=True)
 class NavAgent:
     """For whom a nav-mesh was built; None where the file does not say."""
 
@@ -218,6 +235,7 @@ class Level:
     required: tuple[Required, ...]
     explore: ExploreSettings
     gate: GateSettings
+    height_fields: tuple[HeightField, ...] = ()  # in `collision` too, unless that was changed since
 
 
 # --- the exploration ------------------------------------------------------------------------------

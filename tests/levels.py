@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from reachtest.geometry import grid_surface
 from reachtest.levels import PRESETS
 from reachtest.records import (
     Character,
@@ -14,6 +16,7 @@ from reachtest.records import (
     Floats,
     Frame,
     GateSettings,
+    HeightField,
     Level,
     NavMesh,
     Spawn,
@@ -37,6 +40,13 @@ def slope(degrees: float, length: float = 20.0, width: float = 10.0, x: float = 
     w = width / 2
     a, b, d, e = [x, -w, 0], [x + c, -w, s], [x + c, w, s], [x, w, 0]
     return np.array([[a, b, d], [a, d, e]], dtype=float)
+
+
+def with_terrain(where: Level, field: HeightField) -> Level:
+    """The level and a terrain, its triangles last."""
+    collision = np.concatenate([where.collision, grid_surface(field.points)])
+    field = replace(field, first=len(where.collision))
+    return replace(where, collision=collision, height_fields=(*where.height_fields, field))
 
 
 FLOOR = box([-60, -60, -1], [60, 60, 0])
@@ -78,9 +88,15 @@ STILL, EAST, NORTH_EAST, NORTH, WEST = 0, 1, 2, 3, 5
 class Walk:
     """One character that follows a script; remembers every control tick."""
 
-    def __init__(self, *pieces: Floats, start: Sequence[float], character: Character = UNREAL) -> None:
-        settings = ExploreSettings(action_repeat=1)
-        self._simulator = MujocoSimulator(level(*pieces, character=character, explore=settings), 1, 1)
+    def __init__(
+        self,
+        *pieces: Floats,
+        start: Sequence[float],
+        character: Character = UNREAL,
+        terrain: HeightField | None = None,
+    ) -> None:
+        where = level(*pieces, character=character, explore=ExploreSettings(action_repeat=1), spawn=start)
+        self._simulator = MujocoSimulator(with_terrain(where, terrain) if terrain else where, 1, 1)
         self._simulator.restore(np.array([0]), self._simulator.place(np.array([start], dtype=float)))
         self.dt = self._simulator.step_s
         self.positions: list[Floats] = [np.array(start, dtype=float)]

@@ -10,13 +10,15 @@ from reachtest.levels.grids import MOST_SAMPLES
 from reachtest.levels.meshes import file_problem
 from reachtest.levels.primitives import PRIMITIVES
 from reachtest.levels.scene import Unreadable
-from reachtest.records import Floats, Frame
+from reachtest.records import Floats, Frame, HeightField
 
 MOST_BYTES = 16 * MOST_SAMPLES + 2**20  # the widest numbers there are, and room for a header
 
 
-def build_primitive(kind: str, spec: Spec, folder: Path, frame: Frame, where: str) -> tuple[Floats, bytes]:
-    """Triangles [F, 3, 3] of a primitive, and what its file holds (nothing without one). Raises BadInput."""
+def build_primitive(
+    kind: str, spec: Spec, folder: Path, frame: Frame, where: str
+) -> tuple[Floats | HeightField, bytes]:
+    """Triangles [F, 3, 3] or grid of a primitive, and what its file holds (nothing without one). Raises BadInput."""
     primitive = PRIMITIVES[kind]
     if not primitive.files:
         try:

@@ -31,17 +31,6 @@ def grid_points(heights: Floats, size: tuple[float, float]) -> Floats:
     return np.stack([x, y, heights], axis=2)
 
 
-def surface(points: Floats) -> Floats:
-    """Two triangles for each cell of `points` [R, C, 3], seen from above: [2 (R - 1) (C - 1), 3, 3].
-
-    A cell is split from (-x, -y) to (+x, +y), as MuJoCo 4.0 splits its height fields.
-    """
-    near, far = points[:-1], points[1:]
-    right = np.stack([near[:, :-1], near[:, 1:], far[:, 1:]], axis=2)
-    left = np.stack([near[:, :-1], far[:, 1:], far[:, :-1]], axis=2)
-    return np.stack([right, left], axis=2).reshape(-1, 3, 3)
-
-
 def skirt(points: Floats, bottom: float) -> Floats:
     """Walls and floor that close the surface of `points` [R, C, 3] down to z = `bottom`: [F, 3, 3]."""
     ring = np.concatenate([points[0, :-1], points[:-1, -1], points[-1, :0:-1], points[:0:-1, 0]])

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from reachtest.levels.fields import FARTHEST, Length, Name, Point, Spec
-from reachtest.levels.grids import grid_points, surface, too_large
+from reachtest.levels.grids import too_large
 from reachtest.levels.scene import Unreadable
-from reachtest.records import Floats, Frame
+from reachtest.records import Floats, Frame, HeightField
 
 _WHITE = {"L": 255, "I;16": 65_535, "I": 65_535}  # by Pillow's mode; older ones call 16 bits "I"
 _PIXELS = {"1": "black and white", "LA": "grey with alpha", "P": "palette colours"}
@@ -39,11 +39,12 @@ class Heightmap(Spec):
         return self
 
 
-def build_heightmap(spec: Heightmap, frame: Frame, data: bytes) -> Floats:
-    """Triangles [F, 3, 3] of the surface, seen from above; the first row of `data` lies at +y of the level.
+def build_heightmap(spec: Heightmap, frame: Frame, data: bytes) -> HeightField:
+    """The grid of the surface, along the level's x and y; the first row of `data` lies at +y of the level.
 
-    It is open: no walls at its borders and nothing underneath. A NaN, a wrong kind of pixel or a grid that
-    is too large raises Unreadable, the last before any memory is taken for it.
+    The frame's axes and units are those of `position` alone: no height map is ever turned. It is open: no walls at
+    its borders and nothing underneath. A NaN, a wrong kind of pixel or a grid that is too large raises Unreadable,
+    the last before any memory is taken for it.
     """
     shares = _read_png(data) if Path(spec.file).suffix.lower() == ".png" else _read_npy(data)
     with np.errstate(over="ignore"):
@@ -54,8 +55,9 @@ def build_heightmap(spec: Heightmap, frame: Frame, data: bytes) -> Floats:
         found = f"has {bad.sum()} heights that are NaN, infinite or beyond {FARTHEST:g} m"
         first = f"the first at row {row}, column {column}: {heights[row, column]:g} m"
         raise Unreadable(f"{found}, {first}", "fill the gaps and check height_m")
-    points = grid_points(heights[::-1], spec.size_m)
-    return surface(points + frame.to_level(np.array(spec.position)))
+    x, y, z = frame.to_level(np.array(spec.position))
+    low = np.array([x, y])
+    return HeightField(low, low + spec.size_m, heights[::-1] + z)
 
 
 def _read_png(data: bytes) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
+from reachtest.geometry import grid_surface
 from reachtest.levels.build import build_primitive
 from reachtest.levels.built_navmesh import built_navmesh
 from reachtest.levels.check import check_level
@@ -29,7 +31,20 @@ from reachtest.levels.reading import Reading, ReadLevel
 from reachtest.levels.scene import Piece
 from reachtest.levels.schema import GeometrySpec, LevelSpec
 from reachtest.levels.solids import make_solids
-from reachtest.records import Floats, Frame, GateSettings, Level, NavMesh, Part, Required, Solid, Spawn, Zone
+from reachtest.records import (
+    Bools,
+    Floats,
+    Frame,
+    GateSettings,
+    HeightField,
+    Level,
+    NavMesh,
+    Part,
+    Required,
+    Solid,
+    Spawn,
+    Zone,
+)
 
 KILL_BELOW_M = 10.0  # deep enough that no pit inside the geometry is a fall
 BOUNDS_MARGIN_M = (
@@ -105,6 +120,7 @@ class _Builder:
         self.frame = make_frame(self.spec.frame.up_axis, self.spec.frame.units)
         self.problems: list[Problem] = []
         self.collision: list[Floats] = []
+        self.height_fields: list[HeightField] = []
         self.solids: list[Solid] = []
         self.parts: list[Part] = []
         self.contents: list[bytes] = []
@@ -141,8 +157,14 @@ class _Builder:
             self.contents.append(mesh.digest_data)
             return mesh.pieces
         spec = getattr(item, item.shape)
-        triangles, content = build_primitive(item.shape, spec, self.folder, self.frame, where)
+        built, content = build_primitive(item.shape, spec, self.folder, self.frame, where)
         self.contents.append(content)
+        if isinstance(built, HeightField):
+            if item.role != "solid":
+                first = sum(len(triangles) for triangles in self.collision)
+                self.height_fields.append(dataclasses.replace(built, first=first))
+            built = grid_surface(built.points)
+        triangles = built
         faces = np.arange(3 * len(triangles), dtype=np.int64).reshape(-1, 3)
         return (Piece(item.name or item.shape, triangles.reshape(-1, 3), faces),)
 
@@ -190,6 +212,7 @@ class _Builder:
             ),
             explore=spec.explore.settings(),
             gate=GateSettings(**spec.gate.model_dump()),
+            height_fields=_moved_up(self.height_fields, thin),
             reading=Reading(int(thin.sum()), thin_nav, self._navmesh_frame(), spec.navmesh.scale),
         )
 
@@ -221,6 +244,11 @@ class _Builder:
             return np.array(self.spec.bounds_m.low), np.array(self.spec.bounds_m.high)
         margin = np.full(3, BOUNDS_MARGIN_M)
         return np.append((low - margin)[:2], kill_z), high + margin
+
+
+def _moved_up(fields: Sequence[HeightField], thin: Bools) -> tuple[HeightField, ...]:
+    """The height fields in a collision without its `thin` [F] triangles; one that loses some is none any more."""
+    return tuple(dataclasses.replace(field, first=int((~thin[: field.first]).sum())) for field in fields)
 
 
 def _digest(contents: Sequence[bytes]) -> str:

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from reachtest.levels.fields import Length, Point, Size, Spec
 from reachtest.levels.heightmap import Heightmap, build_heightmap
-from reachtest.records import Floats, Frame
+from reachtest.records import Floats, Frame, HeightField
 
 CYLINDER_SIDES = 32  # the polygon then stays within 0.5 % of the radius: 1 - cos(pi / 32)
 
@@ -122,7 +122,8 @@ class Primitive:
     """A kind of primitive: what the file says of it and how it becomes triangles."""
 
     spec: type[Spec]
-    build: Callable[..., Floats]  # of the spec, the frame and, where it has `files`, the file's bytes
+    # Of the spec, the frame and, where it has `files`, the file's bytes: triangles [F, 3, 3] or a grid of heights.
+    build: Callable[..., Floats | HeightField]
     description: str
     files: tuple[str, ...] = ()  # the types its key `file` can name; none: it has no such key
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from reachtest.levels.grids import grid_points, skirt, surface, too_large
+from reachtest.geometry import grid_surface
+from reachtest.levels.grids import grid_points, skirt, too_large
 from reachtest.levels.scene import Piece, Unreadable
 from reachtest.records import Floats, Ints
 
@@ -90,7 +91,7 @@ def _hfield(model: Any, geom: int) -> Shape:
     rows, columns, start = model.hfield_nrow[field], model.hfield_ncol[field], model.hfield_adr[field]
     heights = model.hfield_data[start : start + rows * columns].reshape(rows, columns) * float(top)
     points = grid_points(heights, (2 * x, 2 * y)) - [x, y, 0]
-    triangles = np.concatenate([surface(points), skirt(points, -base)])
+    triangles = np.concatenate([grid_surface(points), skirt(points, -base)])
     return triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
 
 

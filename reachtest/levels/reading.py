@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from reachtest.records import Frame, Level
 
@@ -21,4 +21,4 @@ class Reading:
 class ReadLevel(Level):
     """A level that was read from files."""
 
-    reading: Reading
+    reading: Reading = field(kw_only=True)

@@ -2,7 +2,7 @@
 
 Compiling takes 70 us a mesh, most of it for a hull of corners that are known to be one already; writing the arrays
 of a compiled model takes a fiftieth of that. All models filled from one template have the same layout, whatever
-shapes they hold. Contacts are frictionless; the controller does the walking.
+shapes they hold, and the same height fields. Contacts are frictionless; the controller does the walking.
 
 Shape legend: N pieces.
 """
@@ -10,13 +10,14 @@ Shape legend: N pieces.
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 
-from reachtest.records import Character, Floats
+from reachtest.records import Character, Floats, HeightField
 from reachtest.world.bounding import bounding_tree
-from reachtest.world.pieces import CORNERS, Pieces
+from reachtest.world.pieces import CORNERS, PRISM_M, Pieces
 
 CONTACT_SLOTS = 8
 CONTACT_FIELDS = 5  # found, dist, normal
@@ -30,10 +31,17 @@ _CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)],
 
 
 class Template:
-    """A compiled model with room for `capacity` pieces."""
+    """A compiled model of height fields, with room for `capacity` pieces."""
 
-    def __init__(self, capacity: int, character: Character, timestep_s: float) -> None:
+    def __init__(
+        self,
+        capacity: int,
+        character: Character,
+        timestep_s: float,
+        fields: Sequence[HeightField] = (),
+    ) -> None:
         self.capacity = capacity
+        self._fields = np.array([_extent(field) for field in fields]).reshape(-1, 2, 3)
         spec = mujoco.MjSpec()
         spec.memory = ARENA_BYTES
         option = spec.option
@@ -47,7 +55,12 @@ class Template:
         _add_capsule(spec, character)
         for slot in range(capacity):
             _add_slot(spec, slot)
+        for number, field in enumerate(fields):
+            _add_field(spec, field, number)
         self._model = spec.compile()
+        for number, field in enumerate(fields):  # the compiler would stretch them
+            begin = self._model.hfield_adr[number]
+            self._model.hfield_data[begin : begin + field.heights.size] = _shares(field).ravel()
         self._model.mesh_graphadr[
             :
         ] = -1  # every corner is asked: for eight that is no slower than a walk over a hull
@@ -69,10 +82,10 @@ class Template:
         model.geom_aabb[:count, :3], model.geom_aabb[:count, 3:] = 0.0, half
         model.geom_rbound[:count] = np.linalg.norm(half, axis=1)
         model.geom_quat[:count] = quaternions(pieces.axes)
-        low = np.full((self.capacity, 3), _NOWHERE_M)
-        high = low.copy()
-        low[:count], high[:count] = pieces.low, pieces.high
-        nodes = 2 * self.capacity - 1
+        spare = np.full((self.capacity - count, 3), _NOWHERE_M)
+        low = np.concatenate([pieces.low, spare, self._fields[:, 0]])
+        high = np.concatenate([pieces.high, spare, self._fields[:, 1]])
+        nodes = 2 * len(low) - 1
         boxes, children, leaves = bounding_tree(low, high)
         model.bvh_aabb[:nodes], model.bvh_child[:nodes], model.bvh_nodeid[:nodes] = boxes, children, leaves
         return model
@@ -101,6 +114,36 @@ def _add_slot(spec: mujoco.MjSpec, slot: int) -> None:
         type=mujoco.mjtGeom.mjGEOM_MESH,
         meshname=mesh.name,
         pos=[0.0, 0.0, _NOWHERE_M],
+        condim=1,
+        contype=_STATIC,
+        conaffinity=_DYNAMIC,
+    )
+
+
+def _extent(field: HeightField) -> tuple[Floats, Floats]:
+    """Lowest and highest corner [3] of a height field with what lies under it."""
+    low, high = field.heights.min() - PRISM_M, field.heights.max()
+    return np.append(field.low, low), np.append(field.high, high)
+
+
+def _span(field: HeightField) -> float:
+    """The height [m] of a share of 1: MuJoCo wants it positive, also of a plane."""
+    return max(float(np.ptp(field.heights)), PRISM_M)
+
+
+def _shares(field: HeightField) -> Floats:
+    """Heights [R, C] above the lowest, in spans."""
+    return np.asarray((field.heights - field.heights.min()) / _span(field))
+
+
+def _add_field(spec: mujoco.MjSpec, field: HeightField, number: int) -> None:
+    rows, columns = field.heights.shape
+    size = [*(field.high - field.low) / 2, _span(field), PRISM_M]
+    spec.add_hfield(name=f"h{number}", nrow=rows, ncol=columns, size=size, userdata=_shares(field).ravel())
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname=f"h{number}",
+        pos=[*(field.low + field.high) / 2, field.heights.min()],
         condim=1,
         contype=_STATIC,
         conaffinity=_DYNAMIC,

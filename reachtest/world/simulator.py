@@ -18,6 +18,7 @@ from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
 from reachtest.world.footwork import OVERLAP_M, Footwork
 from reachtest.world.model import MASS_KG
+from reachtest.world.terrain import split_terrain
 from reachtest.world.tiled_batch import TiledBatch
 from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
 
@@ -49,7 +50,7 @@ class MujocoSimulator:
         self._controller = Controller(level.character, self._dt)
         spawns = np.array([spawn.position for spawn in level.spawns])
         self._batch = TiledBatch(
-            level.collision, level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
+            *split_terrain(level), level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
         )
         self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, self._columns)
         self._ticks_to_land = np.ceil(STEP_S / self._dt)

@@ -5,14 +5,14 @@ Shape legend: B simulations, n chosen ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 from mujoco import batch
 
 from reachtest.geometry import indices
-from reachtest.records import Bools, Character, Floats, Ints
+from reachtest.records import Bools, Character, Floats, HeightField, Ints
 from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, Template
 from reachtest.world.pieces import pieces_of
 from reachtest.world.tiles import TileModels, margin_for, partition
@@ -26,6 +26,7 @@ class TiledBatch:
     def __init__(
         self,
         triangles: Floats,
+        fields: Sequence[HeightField],
         character: Character,
         timestep_s: float,
         spawns: Floats,
@@ -34,11 +35,14 @@ class TiledBatch:
         tile_pieces: int,
         tiles_mb: float,
     ) -> None:
-        """Cut `triangles` [F, 3, 3] into tiles for B `agents`; they begin on the tiles of `spawns` [S, 3]."""
+        """Cut `triangles` [F, 3, 3] into tiles, each with all `fields`, for B `agents`.
+
+        They begin on the tiles of `spawns` [S, 3].
+        """
         starts = spawns[np.arange(agents) % len(spawns)]
         self._pieces = pieces_of(triangles, spawns)
         self._partition = partition(self._pieces, margin_for(character, timestep_s), tile_pieces)
-        self._template = Template(self._partition.capacity, character, timestep_s)
+        self._template = Template(self._partition.capacity, character, timestep_s, fields)
         self._models = TileModels(self._compile, tiles_mb)
         self._tile = self._partition.find(starts)
         self._running = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]

@@ -68,7 +68,9 @@ class Partition:
         self._child: list[tuple[int, int]] = []  # [N]
         self.members: list[Ints] = []  # of every tile: its pieces, ascending
         self._boxes: list[tuple[Floats, Floats]] = []
-        low, high = pieces.low.min(axis=0), pieces.high.max(axis=0)
+        low, high = np.zeros((2, 3))  # nothing to cut
+        if len(pieces):
+            low, high = pieces.low.min(axis=0), pieces.high.max(axis=0)
         self._build(np.arange(len(pieces)), low, high, np.full(3, -np.inf), np.full(3, np.inf))
         self.low = np.array([low for low, _ in self._boxes])  # [tiles, 3] boxes, half open
         self.high = np.array([high for _, high in self._boxes])

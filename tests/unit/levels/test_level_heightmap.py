@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reachtest.geometry import grid_surface
 from reachtest.levels import load_level
-from reachtest.levels.grids import MOST_SAMPLES, grid_points, skirt, surface
+from reachtest.levels.grids import MOST_SAMPLES, grid_points, skirt
 from reachtest.levels.solids import find_leaks
 from reachtest.records import Floats
 from tests.unit.levels.make import WriteLevel, only_problem, problems_of
@@ -68,6 +69,22 @@ def test_low_corner_at_position_and_first_row_at_plus_y(write_level: WriteLevel)
     assert at(triangles, 7, 6) == 3 + 1.5
     assert at(triangles, 1, 2) == 3 + 4.0  # last row
     assert at(triangles, 3, 4) == 3 + 2.5
+
+
+def test_the_level_knows_the_grid_and_its_triangles(write_level: WriteLevel) -> None:
+    level = load_level(with_map(write_level, "a.npy", npy(RAMP)))
+    (field,) = level.height_fields
+    np.testing.assert_allclose([field.low, field.high], [[1, 2], [7, 6]])
+    np.testing.assert_array_equal(field.heights, RAMP[::-1] + 3)
+    np.testing.assert_array_equal(level.collision[field.first :], grid_surface(field.points))
+
+
+def test_the_grid_is_found_behind_triangles_that_were_left_out(write_level: WriteLevel) -> None:
+    path = with_map(write_level, "a.npy", npy(RAMP))
+    (path.parent / "thin.obj").write_text("v 0 0 0\nv 5 0 0\nv 5 5 0\nv 9 0 0\nf 1 2 3\nf 1 2 4\n")
+    path.write_text(path.read_text().replace("- heightmap:", "- mesh: thin.obj\n- heightmap:"))
+    level = load_level(path)
+    assert level.height_fields[0].first == 12 + 1 == len(level.collision) - 12
 
 
 @pytest.mark.parametrize(("dtype", "white"), [(np.uint8, 255), (np.uint16, 65_535)])
@@ -206,7 +223,7 @@ def test_a_terrain_is_no_solid(write_level: WriteLevel) -> None:
 
 def test_skirt_closes_the_surface() -> None:
     points = grid_points(RAMP, (6, 4))
-    closed = np.concatenate([surface(points), skirt(points, -2)])
+    closed = np.concatenate([grid_surface(points), skirt(points, -2)])
     assert find_leaks(closed).closed
     volume = np.linalg.det(closed).sum() / 6
     assert volume == pytest.approx(6 * 4 * (2 + RAMP.mean()))  # of a plane: its middle height
