@@ -15,13 +15,12 @@ from scipy.spatial import cKDTree
 from reachtest.explore.actions import HEADINGS, heading_of
 from reachtest.explore.aim import Aim
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.goals import thin
 from reachtest.navmesh.edges import border
 from reachtest.navmesh.islands import CLIMB_M
 from reachtest.records import Bools, Candidates, Floats, Ints, NavMesh
 
 SPACING_M = 2.0  # between places: who pushes at one comes by both sides of it
-PIECE_M = 0.5  # of the border: places are chosen among these, evenly to within one
+PIECE_M = 1.0  # of the border: places are chosen among these, evenly to within one
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to
 PUSHED_M = 1.25  # from a place: half the spacing aside, or up in a jump
 OUTERMOST_M = 8.0  # what goes on behind the border that far may be an alley along the world's end
@@ -122,11 +121,13 @@ def border_places(navmesh: NavMesh, worth: Bools) -> tuple[Floats, Floats]:
     climb = CLIMB_M if navmesh.agent.climb_m is None else navmesh.agent.climb_m
     middles, outwards, face = border(navmesh, PIECE_M, climb)
     middles, outwards = middles[worth[face]], outwards[worth[face]]
-    # In the order of a walk along each wall they are spaced evenly. The two sides of a corner look different ways:
-    # that counts as being apart.
-    along = np.argsort(middles[:, 1] * outwards[:, 0] - middles[:, 0] * outwards[:, 1], kind="stable")
-    kept = thin(np.concatenate([middles, SPACING_M * outwards], axis=1)[along], SPACING_M)
-    return kept[:, :3], kept[:, 3:] / SPACING_M
+    # One of each cell and heading: the two sides of a corner look different ways, and are two places.
+    cell = np.rint(middles / SPACING_M).astype(np.int64)
+    key = np.column_stack([cell, heading_of(outwards)])
+    order = np.argsort(np.linalg.norm(middles / SPACING_M - cell, axis=1), kind="stable")
+    _, first = np.unique(key[order], axis=0, return_index=True)
+    kept = order[first]
+    return middles[kept], outwards[kept]
 
 
 def outermost(places: Floats, headings: Ints) -> Bools:

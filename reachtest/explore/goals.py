@@ -31,10 +31,10 @@ def sample_goals(navmesh: NavMesh, spacing_m: float) -> Floats:
     weights = np.stack([1 - u, u * (1 - v), u * v], axis=1)
     candidates = np.einsum("nk,nkd->nd", weights, triangles[chosen])
     candidates = np.concatenate([candidates, triangles[area > 0].mean(axis=1)])
-    return thin(candidates, spacing_m)
+    return _thin(candidates, spacing_m)
 
 
-def thin(candidates: Floats, spacing_m: float) -> Floats:
+def _thin(candidates: Floats, spacing_m: float) -> Floats:
     """The candidates [n, k] that have none of those kept before them within the spacing, in their order.
 
     A block at a time, as long as there are goals: most of a block lies near one of these and is gone at once.

@@ -58,8 +58,9 @@ def test_places_stand_evenly_along_the_border_and_look_straight_out() -> None:
     at_wall = np.abs(np.abs(places[:, :2] - SIDE / 2).max(axis=1) - np.where(block, 3.0, SIDE / 2))
     assert at_wall.max() < 1e-9  # none between tiles that lie against each other
     north = np.sort(places[(outwards[:, 1] > 0.5) & ~block, 0])
-    assert np.diff(north).min() >= SPACING_M
-    assert np.diff(north).max() <= SPACING_M + 0.501
+    assert np.diff(north).min() >= SPACING_M / 2
+    assert np.diff(north).max() <= 1.5 * SPACING_M
+    assert len(north) <= SIDE / SPACING_M + 1
     assert north[0] < SPACING_M
     assert north[-1] > SIDE - SPACING_M - 0.5
 

@@ -31,8 +31,8 @@ def test_thinning_keeps_what_a_walk_in_order_keeps(
         ]
     )
     order = rng.permutation(candidates)
-    np.testing.assert_array_equal(goals.thin(order, 2.0), greedy(order, 2.0))
+    np.testing.assert_array_equal(goals._thin(order, 2.0), greedy(order, 2.0))
 
 
 def test_one_candidate_is_a_goal() -> None:
-    assert goals.thin(np.zeros((1, 3)), 4.0).shape == (1, 3)
+    assert goals._thin(np.zeros((1, 3)), 4.0).shape == (1, 3)
