@@ -26,7 +26,7 @@ SHARED = {
     "reachtest.geometry",
     "reachtest.surface",
 }
-SHARED |= {module for module in MODULES if module.startswith(TOOLBOX)}
+SHARED |= {module for module in MODULES if module.startswith((TOOLBOX, "reachtest.records"))}
 COMMAND_LINE = [module for module in MODULES if module.startswith(("reachtest.cli", "reachtest.commands"))]
 
 
