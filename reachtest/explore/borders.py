@@ -49,7 +49,7 @@ class Borders:
         self._heading = heading_of(outwards)  # [R]
         self._kind = np.where(outermost(self.places, self._heading), OUTER, INNER)  # [R]
         self._start: Ints = np.full(n, -1, dtype=np.int64)  # [R] cached point; -1: none near yet
-        self._tried: Ints = np.zeros(n, dtype=np.int64)  # [R] lanes that were sent, and pushes
+        self._tried: Ints = np.zeros(n, dtype=np.int64)  # [R] lanes that were sent
         self._seen = 0  # cached points that were looked at
 
     def draw(
@@ -80,15 +80,17 @@ class Borders:
         outwards = (sticks[t, lane] - self._heading[place] + 1) % 8 <= 2  # give or take 45 degrees
         lanes = sticks.shape[1]
         once = np.unique(place[outwards] * lanes + lane[outwards])
-        pushes = np.bincount(once // lanes, minlength=len(self.places))
-        self.pushes += pushes
-        self._tried[: len(pushes)] += pushes
+        self.pushes += np.bincount(once // lanes, minlength=len(self.places))
 
     def _least_tried(self, rng: np.random.Generator, rows: Ints, lanes: int) -> Ints:
-        """The [lanes] of `rows` that were tried least; over again where they are fewer."""
+        """The [lanes] of `rows` that were tried least; over again where they are fewer.
+
+        Of those tried as often the ones come first that nobody pushed at by chance.
+        """
         if not lanes:
             return rows[:0]
-        tries = self._tried[rows] + rng.random(len(rows))
+        pushes = np.append(self.pushes, np.zeros(len(self._tried) - len(self.pushes), dtype=np.int64))[rows]
+        tries = self._tried[rows] + 1.0 - 1.0 / (1.0 + pushes) + 1e-6 * rng.random(len(rows))
         least = np.argpartition(tries, min(lanes, len(rows)) - 1)[:lanes]
         return np.resize(rows[least[np.argsort(tries[least])]], lanes)
 
