@@ -129,7 +129,7 @@ def progress_for(settings: ExploreSettings, quiet: bool, stream: TextIO | None =
 def _what(record: RoundRecord, elapsed_s: float) -> str:
     rate = record.agent_steps / max(elapsed_s, 1e-9)
     goals = f"{record.goals_reached} of {record.goals_total} goals"
-    falls = f", {record.falls} falls" if record.falls else ""
+    falls = f", {record.falls} fall{'s' * (record.falls != 1)}" if record.falls else ""
     share = record.discovery_share
     new = "" if share is None else f", {share:.0%} of episodes find something new"
     return f"{rate:,.0f} steps/s, {record.points:,} points, {goals}{falls}{new}"
