@@ -5,7 +5,7 @@ Shape legend: n queries, F triangles. Coordinates are metres, z up, float64.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -105,6 +105,16 @@ def inside_closed_surface(points: Floats, triangles: Floats) -> Bools:
         winding = np.arctan2(volume, dots).sum(axis=1) / (2 * np.pi)
         result[chosen] = np.abs(winding) > 0.5
     return result
+
+
+def near_from_above(triangles: Floats, ways: Iterable[Floats], within_m: float) -> Bools:
+    """Which of `triangles` [F, 3, 3] have their box, seen from above, within `within_m` of one of the ways' [n, 3]."""
+    low, high = triangles.min(axis=1)[:, :2], triangles.max(axis=1)[:, :2]
+    near = np.zeros(len(triangles), dtype=np.bool_)
+    for way in ways:
+        from_, to = way[:, :2].min(axis=0) - within_m, way[:, :2].max(axis=0) + within_m
+        near |= ((low <= to) & (high >= from_)).all(axis=1)
+    return near
 
 
 def expand(counts: Ints) -> tuple[Ints, Ints]:

@@ -27,12 +27,8 @@ OUTERMOST_M = 8.0  # what goes on behind the border that far may be an alley alo
 BESIDE_M = 0.7  # off the nav-mesh: erosion at a wall is less, a crate that takes a jump is more
 JUMPING_SHARE = 0.5  # of the pushes: gaps are walked through, low walls and crates are jumped onto
 OUTER, INNER, BESIDE = range(3)  # kinds of rows
-TURNS = (
-    OUTER,
-    BESIDE,
-    OUTER,
-    INNER,
-)  # whose turn it is, lane after lane: most ways out are at the world's end
+# Whose turn it is, lane after lane: most ways out are at the world's end.
+TURNS = (OUTER, BESIDE, OUTER, INNER)
 _ALL_WAYS = np.arange(1, HEADINGS + 1)
 
 
@@ -43,14 +39,19 @@ class Borders:
         """`worth` [F] are the faces that one should be able to get to."""
         self.places, outwards = border_places(navmesh, worth)
         n = len(self.places)
-        self.pushes: Ints = np.zeros(n, dtype=np.int64)  # [n] episodes that pushed at it, directed or not
         self._tree = cKDTree(self.places.reshape(-1, 3))
         self._away = np.full(n, np.inf)  # [n] from the place to its start
         self._heading = heading_of(outwards)  # [R]
         self._kind = np.where(outermost(self.places, self._heading), OUTER, INNER)  # [R]
         self._start: Ints = np.full(n, -1, dtype=np.int64)  # [R] cached point; -1: none near yet
         self._tried: Ints = np.zeros(n, dtype=np.int64)  # [R] lanes that were sent
+        self._pushes: Ints = np.zeros(n, dtype=np.int64)  # [R] episodes that pushed at a border place
         self._seen = 0  # cached points that were looked at
+
+    @property
+    def pushes(self) -> Ints:
+        """Episodes that pushed at each border place [n], directed or not."""
+        return self._pushes[: len(self.places)]
 
     def draw(
         self, rng: np.random.Generator, lanes: int, cache: PositionCache, candidates: Candidates
@@ -80,7 +81,7 @@ class Borders:
         outwards = (sticks[t, lane] - self._heading[place] + 1) % 8 <= 2  # give or take 45 degrees
         lanes = sticks.shape[1]
         once = np.unique(place[outwards] * lanes + lane[outwards])
-        self.pushes += np.bincount(once // lanes, minlength=len(self.places))
+        self._pushes += np.bincount(once // lanes, minlength=len(self._pushes))
 
     def _least_tried(self, rng: np.random.Generator, rows: Ints, lanes: int) -> Ints:
         """The [lanes] of `rows` that were tried least; over again where they are fewer.
@@ -89,8 +90,8 @@ class Borders:
         """
         if not lanes:
             return rows[:0]
-        pushes = np.append(self.pushes, np.zeros(len(self._tried) - len(self.pushes), dtype=np.int64))[rows]
-        tries = self._tried[rows] + 1.0 - 1.0 / (1.0 + pushes) + 1e-6 * rng.random(len(rows))
+        by_chance = 1.0 - 1.0 / (1.0 + self._pushes[rows])
+        tries = self._tried[rows] + by_chance + 1e-6 * rng.random(len(rows))
         least = np.argpartition(tries, min(lanes, len(rows)) - 1)[:lanes]
         return np.resize(rows[least[np.argsort(tries[least])]], lanes)
 
@@ -106,6 +107,7 @@ class Borders:
         self._heading = np.append(self._heading, np.tile(_ALL_WAYS, len(beside)))
         self._kind = np.append(self._kind, np.full(count, BESIDE))
         self._tried = np.append(self._tried, np.zeros(count, dtype=np.int64))
+        self._pushes = np.append(self._pushes, np.zeros(count, dtype=np.int64))
 
     def _bring_nearer(self, positions: Floats, who: Ints) -> None:
         """Let places start from cached points `who` [m] at `positions` [m, 3] where those are nearer than before."""

@@ -16,8 +16,9 @@ from reachtest.explore.outcome import ON_MESH_M, Judge
 from reachtest.explore.shorten import Way, affordable, pursuits, shorten
 from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
 from reachtest.explore.variation import held, vary
+from reachtest.geometry import near_from_above
 from reachtest.interfaces import Simulator, Surface, Teller
-from reachtest.records import Confirmation, Finding, Floats, Level, ReplayPath
+from reachtest.records import Confirmation, Finding, Level, ReplayPath
 
 VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
 ALL_VARIATIONS = 512
@@ -204,10 +205,6 @@ def _at_half_step(level: Level) -> Level:
 
 def _around(level: Level, ways: Sequence[Way]) -> Level:
     """The level within `AROUND_M` of the ways, seen from above: falls go on below."""
-    low, high = level.collision.min(axis=1)[:, :2], level.collision.max(axis=1)[:, :2]
-    near = np.zeros(len(level.collision), dtype=np.bool_)
-    for way in ways:
-        places: Floats = np.concatenate([way.start[None, :3], way.trial.positions])[:, :2]
-        from_, to = places.min(axis=0) - AROUND_M, places.max(axis=0) + AROUND_M
-        near |= ((low <= to) & (high >= from_)).all(axis=1)
+    places = [np.concatenate([way.start[None, :3], way.trial.positions]) for way in ways]
+    near = near_from_above(level.collision, places, AROUND_M)
     return dataclasses.replace(level, collision=level.collision[near])

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-OUTWARDS = (
-    0.25  # of the directed lanes push over the border while goals are open: with half, these come later
-)
+# Of the directed lanes, to push over the border while goals are open: with half, these are reached later.
+OUTWARDS = 0.25
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
+from reachtest.geometry import near_from_above
 from reachtest.records import Floats, Level
 from reachtest.replaying.repeat import Repeated
 from reachtest.replaying.show import way_of, with_place
@@ -74,9 +75,7 @@ def _prepare(job: Path, level: Level, repeated: Repeated) -> int:
 
 def _around(places: Floats, triangles: Floats) -> Floats:
     """Those of `triangles` [F, 3, 3] near a way, seen from above."""
-    low, high = triangles.min(axis=1)[:, :2], triangles.max(axis=1)[:, :2]
-    from_, to = places[:, :2].min(axis=0) - AROUND_M, places[:, :2].max(axis=0) + AROUND_M
-    return np.asarray(triangles[((low <= to) & (high >= from_)).all(axis=1)], dtype=np.float64)
+    return triangles[near_from_above(triangles, [places], AROUND_M)]
 
 
 def _without_collision(level: Level) -> Floats:
