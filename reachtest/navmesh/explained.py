@@ -26,7 +26,7 @@ def without_visited(promises: Promises, stood: Floats, radius_m: float) -> Promi
     bad = np.flatnonzero(promises.reason > 0)
     if not len(bad) or not len(stood):
         return promises
-    near = _near(promises.samples.positions[bad], stood, radius_m)
+    near = _near(promises.feet[bad], stood, radius_m)
     reason, value = promises.reason.copy(), promises.value.copy()
     reason[bad[near]], value[bad[near]] = 0, np.nan
     return replace(promises, reason=reason, value=value)
@@ -43,15 +43,14 @@ def explained_goals(
     blocked = promises.steps[promises.rise_m > jump_m]
     if not len(goals) or not len(stood) or not ((promises.reason > 0).any() or len(blocked)):
         return np.zeros(len(goals), dtype=np.bool_)
-    starts = np.flatnonzero(_near(samples.positions, stood, max(samples.spacing_m, within_m / 2)))
-    both = np.concatenate([samples.pairs, samples.pairs[:, ::-1]])
+    starts = np.flatnonzero(_near(promises.feet, stood, max(samples.spacing_m, within_m / 2)))
+    both = np.concatenate([promises.pairs, promises.pairs[:, ::-1]])
     free = (promises.reason[both] == 0).all(axis=1) & ~_among(both, blocked, len(samples.positions))
     reach = max(within_m, samples.spacing_m)
     promised = _gets_to(both, starts, len(samples.positions))
     possible = _gets_to(both[free], starts[promises.reason[starts] == 0], len(samples.positions))
-    return _near(goals, samples.positions[promised], reach) & ~_near(
-        goals, samples.positions[possible], reach
-    )
+    # A goal floats with the surface: one comes near it with the feet, which a step too high keeps far below.
+    return _near(goals, samples.positions[promised], reach) & ~_near(goals, promises.feet[possible], reach)
 
 
 def _near(points: Floats, others: Floats, within_m: float) -> Bools:

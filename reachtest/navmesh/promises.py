@@ -8,17 +8,19 @@ Shape legend: N samples, M pairs of them, n places, K impossible steps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.geometry import ColumnIndex
+from reachtest.navmesh.islands import CLIMB_M
 from reachtest.navmesh.raster import Samples, rasterise
 from reachtest.navmesh.room import Room, Standing
 from reachtest.records import Bools, Character, Floats, Ints, NavAgent, NavMesh
 
-CLIMB_M = 0.6  # where the file does not say: see `islands`
+HANGING_M = 3.0  # a surface farther above the floor has nothing to do with it: a storey
+HANGING_SHARE = 0.99  # of a surface that hangs no higher than its agent climbs; the rest are holes and rims
 STEP_REACH_M = 1.2  # erosion by a radius of half a metre on both sides, and a cell each
 STEP_SLACK_M = 0.02  # rounding, and what a simulator's step-up allows
 NARROW, LOW, STEEP = 1, 2, 3
@@ -33,6 +35,8 @@ class Promises:
     """The nav-mesh's surface, and what of it is impossible for the character."""
 
     samples: Samples
+    feet: Floats  # [N, 3] where one stands at them: on the floor below, or on the surface where there is none
+    pairs: Ints  # [M, 2] neighbouring samples, of one island
     reason: Ints  # [N] 0 where it is possible, else NARROW, LOW or STEEP
     value: Floats  # [N] width [m], head room [m] or slope [deg] there; NaN where it is possible
     steps: Ints  # [K, 2] samples: from the lower to the upper one
@@ -43,9 +47,11 @@ class Promises:
 
 def check_promises(navmesh: NavMesh, labels: Ints, collision: Floats, character: Character) -> Promises:
     """Stand the character everywhere on the nav-mesh with islands `labels` [F], in `collision` [.., 3, 3]."""
-    climb = CLIMB_M if navmesh.agent.climb_m is None else navmesh.agent.climb_m
-    samples = _within_islands(rasterise(navmesh, climb), labels)
-    room = Room(collision, character)
+    samples, room = rasterise(navmesh), Room(collision, character)
+    climb = navmesh.agent.climb_m
+    if climb is None:
+        climb = shown_climb(room, samples)
+    pairs = _within_islands(samples, climb, labels)
     here = room.standing(samples.positions, climb)
     # Inside of a crate or a wall that stands in the way the nav-mesh is wrong, but not about the character.
     suspects = np.flatnonzero(~here.fits & np.isfinite(here.floor) & ~here.buried)
@@ -55,15 +61,31 @@ def check_promises(navmesh: NavMesh, labels: Ints, collision: Floats, character:
     value = np.full(len(samples.positions), np.nan)
     reason[suspects], value[suspects] = _reasons(here, suspects, widest, character, room.limit_deg)
     step_m, surface = character.step_height_m, ColumnIndex(navmesh.triangles)
-    steps = _steps(room, samples, here, samples.pairs, climb, step_m, surface)
-    cuts = _steps(room, samples, here, _island_pairs(samples, labels), max(climb, CLIMB_M), step_m)
-    return Promises(samples, reason, value, *steps, *cuts)
+    steps = _steps(room, samples, here, pairs, climb, step_m, surface)
+    cut_m = max(navmesh.agent.climb_m or 0.0, CLIMB_M)
+    cuts = _steps(room, samples, here, _island_pairs(samples, labels), cut_m, step_m)
+    feet = samples.positions.copy()
+    feet[:, 2] = np.where(np.isfinite(here.floor), here.floor, feet[:, 2])
+    return Promises(samples, feet, pairs, reason, value, *steps, *cuts)
 
 
-def _within_islands(samples: Samples, labels: Ints) -> Samples:
-    """Without pairs across a gap: at a coarse spacing those are next to each other too."""
-    island = labels[samples.face[samples.pairs]]
-    return replace(samples, pairs=samples.pairs[island[:, 0] == island[:, 1]])
+def shown_climb(room: Room, samples: Samples) -> float:
+    """What a nav-mesh's agent climbs [m], as far as its surface shows, where the file does not say.
+
+    A nav-mesh is drawn as a ramp over the steps that its agent climbs, and so hangs as high above their foot.
+    """
+    floor, _ = room.floors(samples.positions, HANGING_M)
+    hanging = samples.positions[:, 2] - floor
+    known = hanging[np.isfinite(hanging)]
+    shown = float(np.quantile(known, HANGING_SHARE)) if len(known) else 0.0
+    return CLIMB_M if shown <= CLIMB_M else shown + samples.ramp_m
+
+
+def _within_islands(samples: Samples, climb_m: float, labels: Ints) -> Ints:
+    """Neighbours [M, 2] without those across a gap: at a coarse spacing they are next to each other too."""
+    pairs = samples.pairs(climb_m)
+    island = labels[samples.face[pairs]]
+    return pairs[island[:, 0] == island[:, 1]]
 
 
 def _fits_nearby(room: Room, places: Floats, climb_m: float, radius_m: float) -> tuple[Bools, Floats]:

@@ -15,7 +15,7 @@ from reachtest.records import Floats, Ints, NavMesh
 
 SPACING_M = 0.25  # half of what one sample every 0.5 m asks for: passages are narrow after erosion
 MOST_SAMPLES = 100_000  # a surface larger than 6,250 m2 is sampled more coarsely
-_RAMP_M = 1.0  # of rise from one sample to the next: more may be another storey
+_RAMP_M = 1.0  # of rise from one sample to the next at the most: more may be another storey
 _ACROSS = ((0, 1), (1, 0), (1, 1), (1, -1))  # to half of the eight cells around
 
 
@@ -26,10 +26,19 @@ class Samples:
     spacing_m: float
     positions: Floats  # [N, 3]
     face: Ints  # [N]
-    pairs: Ints  # [M, 2] neighbours: in cells next to each other, no farther apart in height than one climbs
+    cell: Ints  # [N, 2] on the grid
+
+    def pairs(self, climb_m: float) -> Ints:
+        """Neighbours [M, 2]: in cells next to each other, no farther apart in height than one climbs."""
+        return _pairs(self.cell, self.positions[:, 2], climb_m + self.ramp_m)
+
+    @property
+    def ramp_m(self) -> float:
+        """How far the surface itself rises from one sample to the next."""
+        return min(self.spacing_m, _RAMP_M)
 
 
-def rasterise(navmesh: NavMesh, climb_m: float, most: int = MOST_SAMPLES) -> Samples:
+def rasterise(navmesh: NavMesh, most: int = MOST_SAMPLES) -> Samples:
     """Samples `SPACING_M` apart, or as far as it takes to have about `most` of them."""
     triangles = navmesh.triangles
     area = float(np.abs(triangle_normals(triangles)[1]).sum())
@@ -43,8 +52,7 @@ def rasterise(navmesh: NavMesh, climb_m: float, most: int = MOST_SAMPLES) -> Sam
     points[:, :2] = navmesh.vertices[:, :2].min(axis=0) + cell * spacing
     inside, above = height_above(points, triangles[face])
     points[:, 2] = -above
-    cell, face, points = cell[inside], face[inside], points[inside]
-    return Samples(spacing, points, face, _pairs(cell, points[:, 2], climb_m + min(spacing, _RAMP_M)))
+    return Samples(spacing, points[inside], face[inside], cell[inside])
 
 
 def _pairs(cell: Ints, z: Floats, rise_m: float) -> Ints:

@@ -29,6 +29,14 @@ def stairs(rise: float, count: int = 4, tread: float = 1.0):
     )
 
 
+RIM = [  # a floor around a hole of 1 m by 2 m
+    box([-10, -10, -2.0], [9, 10, 0]),
+    box([10, -10, -2.0], [30, 10, 0]),
+    box([9, -10, -2.0], [10, -1, 0]),
+    box([9, 1, -2.0], [10, 10, 0]),
+]
+
+
 def test_an_open_floor_keeps_its_promises() -> None:
     found = promises(navmesh(HALL), FLOOR)
     assert len(found.samples.positions) > 1000
@@ -81,6 +89,28 @@ def test_steps_that_the_surface_leads_over(rise: float, possible: bool) -> None:
         floor = found.samples.positions[found.steps]
         assert (floor[:, 0, 0] <= floor[:, 1, 0]).all()  # from the lower to the upper side
     assert not found.reason.any()
+
+
+@pytest.mark.parametrize("rise", [0.8, 1.4])
+def test_blocks_that_the_surface_runs_over_as_a_ramp(rise: float) -> None:
+    """A nav-mesh with a coarse agent whose climb its file does not tell: how far it hangs does."""
+    over = rectangle((3, -1.5), (11, 1.5), rise=4 * rise)
+    top = rectangle((11, -1.5), (13, 1.5)) + [0, 0, 4 * rise]
+    found = promises(navmesh(rectangle((0, -1.5), (3, 1.5)), over, top), FLOOR, stairs(rise, tread=2.0))
+    assert found.rise_m == pytest.approx(rise, abs=1e-6)
+    assert len(set(np.round(found.samples.positions[found.steps[:, 1], 0]))) >= 4  # every block
+    goals = np.array([[2.0, 1, 0], [9.5, 0, 3.2 * rise], [12.0, 0, 4 * rise]])
+    beyond = rise > 0.9
+    assert explained_goals(found, np.array([[1.0, 0, 0]]), goals, 1.0, 0.9).tolist() == [
+        False,
+        beyond,
+        beyond,
+    ]
+
+
+def test_a_pit_under_a_level_surface_is_no_step() -> None:
+    deep = [*RIM, box([9, -1, -2.0], [10, 1, -1.5])]
+    assert not len(promises(navmesh(rectangle((0, -8), (20, 8))), *deep).steps)
 
 
 def test_steps_that_cut_the_surface_into_islands() -> None:
