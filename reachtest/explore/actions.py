@@ -13,6 +13,11 @@ from reachtest.records import Floats, Ints
 HOLD_STEPS = 6.0  # mean of the geometric time a direction is held: carries further than fresh noise
 HEADINGS = 8  # ways to push; as many again push that way mostly jumping
 PUSH_JUMP_SHARE = 0.6  # of the holds of those: over a low wall it takes a jump right before it, and another
+LEAPS = 2 * HEADINGS  # headings above this begin with a leap: a run-up, one jump, and a stop
+LEAP_RUN_STEPS = 7  # at the most: two metres from a standstill at walking speed, and time to spare
+LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
+LEAP_STOP_STEPS = 3  # a pillar is soon run across
+LEAP_ASIDE = (0, 0, 1, -1)  # eighths of a turn: between two headings there is a third
 JUMP_SHARE = 0.25  # of the holds are made jumping
 CENTRED_SHARE = 0.05  # of the holds stand still: enough for what only waiting finds
 HEADING_SHARE = (
@@ -25,7 +30,8 @@ def action_stream(
 ) -> NDArray[np.int8]:
     """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
 
-    With a `heading` (1 to 8, or 9 to 16 to jump more) most of them push that way; 0 is for no way in particular.
+    With a `heading` (1 to 8, 9 to 16 to jump more, or 17 to 24 to leap first) most of them push that way; 0 is for no
+    way in particular.
     """
     jump_share = PUSH_JUMP_SHARE if heading > HEADINGS else jump_share
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
@@ -37,7 +43,21 @@ def action_stream(
     if heading:
         towards = (heading - 1 + rng.integers(-1, 2, steps)) % 8 + 1
         stick = np.where(rng.random(steps) < HEADING_SHARE, towards, stick)
-    return np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
+    actions = np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
+    if heading > LEAPS:
+        leap = _leap(rng, heading)[:steps]
+        actions[: len(leap)] = leap
+    return actions
+
+
+def _leap(rng: np.random.Generator, heading: int) -> NDArray[np.int8]:
+    """Run that way for a while, jump once, and stop where that leads: actions [n, 2]."""
+    way = (heading - 1 + rng.choice(LEAP_ASIDE)) % 8 + 1
+    run = int(rng.integers(0, LEAP_RUN_STEPS + 1))
+    actions = np.zeros((run + 1 + LEAP_FLIGHT_STEPS + LEAP_STOP_STEPS, 2), dtype=np.int8)
+    actions[: len(actions) - LEAP_STOP_STEPS, 0] = way
+    actions[run, 1] = 1
+    return actions
 
 
 def heading_of(away: Floats) -> Ints:

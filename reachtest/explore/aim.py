@@ -38,13 +38,23 @@ class Aims:
 
     def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
-        self._goals, self._worth, self._link = goals, worth, 2 * spacing_m
+        self._goals, self._promised, self._link = goals, worth, 2 * spacing_m
+        self._worth = worth
         self._before: tuple[Ints, Ints] = (
             np.empty(0, np.int64),
             np.empty(0, np.int64),
         )  # goals, and their parts
         self.attempts: Ints = np.zeros(len(goals.goals), dtype=np.int64)  # [G] in vain, from the border
         self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far the nearest start was
+
+    @property
+    def promised_open(self) -> bool:
+        """Whether a goal is open that one should be able to get to."""
+        return bool(((self._goals.reached_step < 0) & self._promised).any())
+
+    def add(self, goals: Bools) -> None:
+        """Try to get to `goals` [G] as well."""
+        self._worth = self._promised | goals
 
     def draw(
         self, rng: np.random.Generator, lanes: int, cache: PositionCache, candidates: Candidates

@@ -7,22 +7,33 @@ import numpy as np
 from reachtest.explore.aim import Aim, Aims
 from reachtest.explore.borders import Borders
 from reachtest.explore.cache import PositionCache
-from reachtest.records import OUTWARDS, Candidates
+from reachtest.explore.footholds import Footholds
+from reachtest.explore.goals import GoalSet
+from reachtest.explore.places import places_to_push
+from reachtest.navmesh.coverage import GoalIslands
+from reachtest.navmesh.islands import Islands
+from reachtest.records import OUTWARDS, Bools, Candidates, Level
 
 
 class Directed:
-    """The directed lanes' purposes: goals as long as some are open, and the border always."""
+    """The directed lanes' purposes: goals as long as some are open, and the border always.
 
-    def __init__(self, aims: Aims, borders: Borders, lanes: float) -> None:
+    Goals where one was promised to get come first; those on islands that somebody got onto all the same are extra.
+    """
+
+    def __init__(self, aims: Aims, borders: Borders, footholds: Footholds, lanes: float) -> None:
         """`lanes` of every round are directed, on the average."""
-        self.aims, self.borders, self._lanes = aims, borders, lanes
+        self.aims, self.borders, self._footholds, self._lanes = aims, borders, footholds, lanes
 
     def draw(
         self, rng: np.random.Generator, number: int, cache: PositionCache, candidates: Candidates
     ) -> Aim | None:
         """What the directed lanes of round `number` do; None if nothing."""
+        self._footholds.note(cache.positions, candidates.grounded)
         lanes = _whole(self._lanes, number)
-        outwards = min(_whole(OUTWARDS * self._lanes, number), lanes)
+        share = OUTWARDS if self.aims.promised_open else 1.0 - OUTWARDS
+        outwards = min(_whole(share * self._lanes, number), lanes)
+        self.aims.add(self._footholds.goals)
         goals = self.aims.draw(rng, lanes - outwards, cache, candidates)
         border = self.borders.draw(rng, lanes if goals is None else outwards, cache, candidates)
         aims = [aim for aim in (goals, border) if aim is not None]
@@ -32,6 +43,14 @@ class Directed:
             np.concatenate([getattr(aim, name) for aim in aims]) for name in ("starts", "headings", "targets")
         )
         return Aim(starts, headings, targets)
+
+
+def directed(level: Level, goals: GoalSet, wanted: Bools, islands: Islands, on: GoalIslands) -> Directed:
+    """The purposes of a level: `goals`, of which those `wanted` [G] were promised, on `islands`."""
+    footholds = Footholds(islands, on.connected, on.goal_island)
+    aims = Aims(goals, wanted, level.explore.goal_spacing_m)
+    borders = Borders(*places_to_push(islands, on.connected, level.character), footholds)
+    return Directed(aims, borders, footholds, level.explore.directed * level.explore.lanes)
 
 
 def _whole(lanes: float, number: int) -> int:

@@ -17,9 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reachtest.explore.actions import action_stream, start_generator
-from reachtest.explore.aim import Aims
-from reachtest.explore.borders import Borders
-from reachtest.explore.directed import Directed
+from reachtest.explore.directed import directed
 from reachtest.explore.heuristics import mixture
 from reachtest.explore.ledger import Ledger
 from reachtest.explore.probe import Probed, Prober
@@ -27,7 +25,7 @@ from reachtest.explore.replay import Replayer
 from reachtest.explore.risk import is_done
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.interfaces import Observer, Simulator, Surface, Teller
-from reachtest.navmesh.coverage import goal_islands
+from reachtest.navmesh.coverage import GoalIslands, goal_islands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Exploration, Ints, Level, Points, RoundRecord, StopReason
 
@@ -59,10 +57,10 @@ class Explorer:
         self._ledger = Ledger(level, surface, spawns)
         self._eta = mixture(level.explore.heuristics, level.explore.power)
         self._islands = islands or Islands(level.navmesh)
-        self._wanted, self._required_connected, faces = self._worth()
-        aims = Aims(self._ledger.goals, self._wanted, level.explore.goal_spacing_m)
-        lanes = level.explore.directed * level.explore.lanes
-        self._directed = Directed(aims, Borders(level.navmesh, faces), lanes)
+        starts = np.array([spawn.position for spawn in level.spawns])
+        on = goal_islands(self._islands, starts, self._ledger.goals.goals)
+        self._wanted, self._required_connected = self._worth(on)
+        self._directed = directed(level, self._ledger.goals, self._wanted, self._islands, on)
         self._headings: list[NDArray[np.int8]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
 
@@ -89,9 +87,10 @@ class Explorer:
     def _exploration(
         self, points: Points, probed: Probed, stop: StopReason, timing: dict[str, float]
     ) -> Exploration:
-        ledger, aims, borders = self._ledger, self._directed.aims, self._directed.borders
+        ledger, aims = self._ledger, self._directed.aims
         count = len(ledger.on_navmesh)
         once, twice, cells = ledger.visits.incidence()
+        border, pushes = self._directed.borders.effort()
         return Exploration(
             points=points,
             visits=ledger.visits.of(ledger.archive.cells),
@@ -117,8 +116,8 @@ class Explorer:
             probe_episodes=probed.episodes,
             probe_steps=probed.steps,
             risk_curve=ledger.risk.samples,
-            border=borders.places,
-            border_pushes=borders.pushes,
+            border=border,
+            border_pushes=pushes,
             timing=timing,
         )
 
@@ -141,16 +140,14 @@ class Explorer:
         """What a cached point takes outside the tree."""
         return self._ledger.archive.bytes_per_point
 
-    def _worth(self) -> tuple[Bools, Bools, Bools]:
+    def _worth(self, on: GoalIslands) -> tuple[Bools, Bools]:
         """The goals [G] that somebody should be able to get to: not those on the roofs, but all required points;
-        which required points [R] the nav-mesh connects to a spawn; and which of its faces [F]."""
-        goals, count = self._ledger.goals.goals, len(self._ledger.on_navmesh)
-        spawns = np.array([spawn.position for spawn in self._level.spawns])
-        islands = goal_islands(self._islands, spawns, goals)
-        worth = islands.goals_count
+        and which required points [R] the nav-mesh connects to a spawn."""
+        count = len(self._ledger.on_navmesh)
+        worth = on.goals_count
         worth[count:] = True
-        island = islands.goal_island[count:]
-        return worth, (island >= 0) & islands.connected[island], islands.connected[islands.labels]
+        island = on.goal_island[count:]
+        return worth, (island >= 0) & on.connected[island]
 
     def _should_stop(self) -> StopReason | None:
         s = self._settings

@@ -7,10 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import HEADINGS, action_stream, heading_of
-from reachtest.explore.borders import BESIDE_M, NEAR_M, SPACING_M, Borders, border_places, outermost
+from reachtest.explore.actions import HEADINGS, LEAPS, action_stream
+from reachtest.explore.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.footholds import Footholds
+from reachtest.explore.places import RUN_UP_M, SPACING_M, Places, outermost, places_to_push
+from reachtest.navmesh.islands import Islands
 from reachtest.records import Candidates, NavMesh, StepResult
+from tests.levels import UNREAL
 from tests.unit.explore.walker import KILL_Z_M, LEVEL, Run, Walker, stands
 
 SIDE = 24.0
@@ -26,9 +30,28 @@ def mesh(*rectangles) -> NavMesh:
     return NavMesh("", triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
 
 
+def places(*rectangles) -> tuple[Places, Places]:
+    """Along the border, and at gaps; a spawn is on the first rectangle."""
+    islands = Islands(mesh(*rectangles))
+    return places_to_push(islands, np.arange(islands.count) == 0, UNREAL)
+
+
 def borders(*rectangles) -> Borders:
-    navmesh = mesh(*rectangles)
-    return Borders(navmesh, np.ones(len(navmesh.faces), dtype=bool))
+    return watched(*rectangles)[0]
+
+
+def watched(*rectangles) -> tuple[Borders, Footholds]:
+    islands = Islands(mesh(*rectangles))
+    connected = np.arange(islands.count) == 0
+    footholds = Footholds(islands, connected, np.arange(islands.count))
+    return Borders(*places_to_push(islands, connected, UNREAL), footholds), footholds
+
+
+UNIT = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4])
+
+
+def border_of(table: Borders):
+    return table.effort()[0]
 
 
 def cached(positions, off_mesh_m=0.0, grounded=True) -> tuple[PositionCache, Candidates]:
@@ -49,15 +72,16 @@ RING = ((0, 0, SIDE, 9), (0, 15, SIDE, SIDE), (0, 9, 9, 15), (15, 9, SIDE, 15)) 
 
 
 def test_places_stand_evenly_along_the_border_and_look_straight_out() -> None:
-    navmesh = mesh(*RING)
-    places, outwards = border_places(navmesh, np.ones(len(navmesh.faces), dtype=bool))
-    block = (np.abs(places[:, :2] - SIDE / 2) <= 3.01).all(axis=1)
-    centre = np.where(block[:, None], -1.0, 1.0) * (places[:, :2] - SIDE / 2)
+    along, gaps = places(*RING)
+    assert not len(gaps.positions)
+    positions, outwards = along.positions, UNIT[along.headings - 1]
+    block = (np.abs(positions[:, :2] - SIDE / 2) <= 3.01).all(axis=1)
+    centre = np.where(block[:, None], -1.0, 1.0) * (positions[:, :2] - SIDE / 2)
     assert (np.einsum("ni,ni->n", centre, outwards) > 0).all()
     np.testing.assert_allclose(np.abs(outwards).max(axis=1), 1.0)
-    at_wall = np.abs(np.abs(places[:, :2] - SIDE / 2).max(axis=1) - np.where(block, 3.0, SIDE / 2))
+    at_wall = np.abs(np.abs(positions[:, :2] - SIDE / 2).max(axis=1) - np.where(block, 3.0, SIDE / 2))
     assert at_wall.max() < 1e-9  # none between tiles that lie against each other
-    north = np.sort(places[(outwards[:, 1] > 0.5) & ~block, 0])
+    north = np.sort(positions[(outwards[:, 1] > 0.5) & ~block, 0])
     assert np.diff(north).min() >= SPACING_M / 2
     assert np.diff(north).max() <= 1.5 * SPACING_M
     assert len(north) <= SIDE / SPACING_M + 1
@@ -66,28 +90,100 @@ def test_places_stand_evenly_along_the_border_and_look_straight_out() -> None:
 
 
 def test_only_the_border_of_what_counts_is_tried() -> None:
-    navmesh = mesh(SQUARE, (40, 0, 50, 10))
-    places, _ = border_places(navmesh, np.array([True, True, False, False]))
-    assert places[:, 0].max() <= SIDE
+    along, gaps = places(SQUARE, (40, 0, 50, 10))  # too far for a jump
+    assert along.positions[:, 0].max() <= SIDE
+    assert not len(gaps.positions)
 
 
 def test_the_world_ends_where_no_nav_mesh_comes_after_the_border() -> None:
-    wide = mesh(*(np.array(RING) * 4.0))
-    places, outwards = border_places(wide, np.ones(len(wide.faces), dtype=bool))
-    block = (np.abs(places[:, :2] - 2 * SIDE) <= 12.01).all(axis=1)
-    np.testing.assert_array_equal(outermost(places, heading_of(outwards)), ~block)
+    along, _ = places(*(np.array(RING) * 4.0))
+    block = (np.abs(along.positions[:, :2] - 2 * SIDE) <= 12.01).all(axis=1)
+    np.testing.assert_array_equal(outermost(along.positions, along.headings), ~block)
+
+
+# --- gaps -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("gap_m", "rise_m", "within"),
+    [
+        (3.0, 0.0, True),
+        (5.5, 0.0, True),
+        (6.5, 0.0, False),
+        (2.5, 0.9, True),
+        (2.5, 1.2, False),
+        (5.7, 0.8, False),
+    ],
+)
+def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: float, within: bool) -> None:
+    """5.1 m flat and 0.9 m up, and a radius from the edge on both sides."""
+    x = SIDE + gap_m
+    along, gaps = places(SQUARE, (x, 8, x + 3, 11, rise_m))
+    there = gaps.positions[gaps.island == 0]
+    assert (len(there) > 0) is within
+    assert (
+        bool(along.positions[:, 0].max() > SIDE) is within
+    )  # its border is tried too, once somebody stands there
+    if within:
+        assert (np.abs(there[:, :2] - SIDE / 2) < SIDE / 2).all()  # on this side, with room to run up
+        assert np.abs(there[:, 0] - (SIDE - RUN_UP_M)).min() < 0.1
+        assert set(gaps.target) == {0, 1} or rise_m > 0  # and back
+
+
+def test_jumps_are_followed_from_island_to_island() -> None:
+    along, gaps = places(SQUARE, *((x, 8, x + 3, 11) for x in (27, 33, 39, 70)))
+    assert set(gaps.target) == {0, 1, 2, 3}
+    assert 41 < along.positions[:, 0].max() < 43
+
+
+def test_between_connected_islands_there_is_nothing_to_try() -> None:
+    islands = Islands(mesh(SQUARE, (27, 8, 30, 11)))
+    assert not len(places_to_push(islands, np.ones(2, dtype=bool), UNREAL)[1].positions)
+
+
+def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> None:
+    table, footholds = watched(SQUARE, (27, 8, 30, 11))
+    near, far = [SIDE - RUN_UP_M, 9.5, 0], [28.5, 9.5, 0]
+    along, gaps = places(SQUARE, (27, 8, 30, 11))
+    rows = len(along.positions) + np.flatnonzero(gaps.island == 0)
+
+    def drawn(*positions):
+        cache, candidates = cached(positions)
+        footholds.note(cache.positions, candidates.grounded)
+        aim = table.draw(np.random.default_rng(0), 40, cache, candidates)
+        assert aim is not None
+        return np.isin(aim.targets, rows), aim.headings
+
+    across, headings = drawn(near)
+    assert across.sum() >= 40 / 5
+    assert set(headings[across]) <= {LEAPS + 8, LEAPS + 1, LEAPS + 2}  # east, give or take
+    before = len(border_of(table))
+    across, _ = drawn(near, far)
+    assert not across.any()
+    assert len(border_of(table)) > before  # the other island's counts from now on
+
+
+def test_who_flies_over_an_island_does_not_stand_on_it() -> None:
+    _, footholds = watched(SQUARE, (27, 8, 30, 11))
+    footholds.note(np.array([[28.0, 9, 0.3], [5, 5, 0], [28, 9, 2.0]]), np.array([False, True, True]))
+    assert footholds.goals.tolist() == [True, False]
+    footholds.note(np.concatenate([np.zeros((3, 3)), [[28, 9, 0.1]]]), np.ones(4, dtype=bool))
+    assert footholds.goals.tolist() == [True, True]
+
+
+# --- whose turn it is -------------------------------------------------------------------------------------
 
 
 def test_every_place_is_tried_before_one_is_tried_again() -> None:
     table = borders(SQUARE)
     cache, candidates = everywhere()
     drawn, lanes = [], 8
-    while sum(map(len, drawn)) < 2 * len(table.places):
+    while sum(map(len, drawn)) < 2 * len(border_of(table)):
         aim = table.draw(np.random.default_rng(len(drawn)), lanes, cache, candidates)
         assert aim is not None
         drawn.append(aim.targets)
         assert len(np.unique(aim.targets)) == lanes
-        tries = np.bincount(np.concatenate(drawn), minlength=len(table.places))
+        tries = np.bincount(np.concatenate(drawn), minlength=len(border_of(table)))
         assert tries.max() - tries.min() <= 1
 
 
@@ -96,10 +192,10 @@ def test_a_push_starts_near_its_place_and_goes_straight_out() -> None:
     cache, candidates = everywhere()
     aim = table.draw(np.random.default_rng(0), 16, cache, candidates)
     assert aim is not None
-    away = table.places[aim.targets] - cache.positions[aim.starts]
+    away = border_of(table)[aim.targets] - cache.positions[aim.starts]
     assert np.linalg.norm(away, axis=1).max() <= NEAR_M
-    side = np.abs(table.places[aim.targets, :2] - SIDE / 2).argmax(axis=1)
-    out = np.sign(table.places[aim.targets, side] - SIDE / 2)
+    side = np.abs(border_of(table)[aim.targets, :2] - SIDE / 2).argmax(axis=1)
+    out = np.sign(border_of(table)[aim.targets, side] - SIDE / 2)
     east_or_north = np.where(side == 0, 1, 3)
     expected = np.where(out > 0, east_or_north, east_or_north + 4)
     np.testing.assert_array_equal((aim.headings - 1) % HEADINGS + 1, expected)
@@ -145,20 +241,20 @@ def test_from_a_crate_beside_the_nav_mesh_all_ways_are_tried() -> None:
 )
 def test_a_push_is_a_step_outwards_at_the_border_whoever_makes_it(stick: int, x: float, counts: bool) -> None:
     table = borders(SQUARE)
-    west = np.flatnonzero(table.places[:, 0] == 0)
-    y = table.places[west[3], 1]
+    west = np.flatnonzero(border_of(table)[:, 0] == 0)
+    y = border_of(table)[west[3], 1]
     positions = np.full((5, 2, 3), np.nan)  # the other lane fell
     positions[:, 0] = [x, y, 0]
     table.note(positions, np.full((5, 2), stick, dtype=np.int8))
-    assert table.pushes[west[3]] == counts  # once an episode, however long
-    assert table.pushes.sum() == counts
+    assert table.effort()[1][west[3]] == counts  # once an episode, however long
+    assert table.effort()[1].sum() == counts
 
 
 def test_what_others_pushed_at_comes_later() -> None:
     table = borders(SQUARE)
     cache, candidates = everywhere()
-    west = table.places[:, 0] == 0
-    table.note(table.places[west][None] + [0.1, 0, 0], np.full((1, west.sum()), 5, dtype=np.int8))
+    west = border_of(table)[:, 0] == 0
+    table.note(border_of(table)[west][None] + [0.1, 0, 0], np.full((1, west.sum()), 5, dtype=np.int8))
     aim = table.draw(np.random.default_rng(0), int((~west).sum()), cache, candidates)
     assert aim is not None
     assert not west[aim.targets].any()
@@ -171,6 +267,22 @@ def test_a_jumping_push_goes_the_same_way_and_jumps_more() -> None:
     )
     np.testing.assert_array_equal(walks[:, 0], jumps[:, 0])
     assert jumps[:, 1].mean() > 1.5 * walks[:, 1].mean()
+
+
+def test_a_leap_is_a_run_up_one_jump_and_a_stop() -> None:
+    takeoffs = set()
+    for number in range(200):
+        stream = action_stream(0, number, 0, 32, LEAPS + 3)
+        takeoff = int(stream[:, 1].argmax())
+        takeoffs.add(takeoff)
+        there = stream[: takeoff + 7]
+        assert set(there[:, 0]) in ({2}, {3}, {4})  # straight on
+        assert there[:, 1].sum() == 1
+        assert not stream[takeoff + 7 : takeoff + 10].any()
+    assert takeoffs == set(range(8))
+    np.testing.assert_array_equal(
+        stream[:5], action_stream(0, number, 0, 5, LEAPS + 3)
+    )  # a short round's, too
 
 
 class Fenced(Walker):
