@@ -22,7 +22,10 @@ from reachtest.records import Confirmation, Finding, Level, ReplayPath
 
 VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
 ALL_VARIATIONS = 512
-MORE_TIMES = 3  # as many again, from earlier on, for what half the step has not shown: fragile is said late
+# As many again for what half the step has not shown, twice from a run-up earlier: where the coarse step turned and
+# jumped in one tick, the half step takes off as much slower, and has to begin before (0 of 66, and 31 of 66 half a
+# second earlier, measured at two ledges). At last from the spawn: fragile is said late.
+EARLIER_STEPS = (4, 16)
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
 FINE_LANES = 64
@@ -144,6 +147,11 @@ class Confirmer:
         rest = Trial(start, trial.actions[begin:], trial.states[begin:], trial.stood[begin:], trial.fell)
         return Way(start, way.outcome, rest)
 
+    def _earlier(self, way: Way, steps: int | None) -> Way:
+        """What remains of a way from so many steps before its stretch; all of it for None."""
+        length = len(way.trial)
+        return self._stretch(way, length if steps is None else len(self._stretch(way).trial) + steps)
+
     def _half_step(
         self, found: Sequence[Way], cut: Sequence[Way], count: int
     ) -> tuple[list[tuple[int, int]], list[Way]]:
@@ -153,12 +161,9 @@ class Confirmer:
         shown = [
             way if good else found[row] for row, (way, (_, good)) in enumerate(zip(cut, tries, strict=True))
         ]
-        for times in range(1, 1 + MORE_TIMES):
+        for earlier_by in (*EARLIER_STEPS, None):
             missing = [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
-            # At last from the spawn: a jump may have to begin long before the place where one leaves the nav-mesh.
-            earlier = [
-                self._stretch(found[row], len(found[row].trial) * times // MORE_TIMES) for row in missing
-            ]
+            earlier = [self._earlier(found[row], earlier_by) for row in missing]
             more = self._attempt(finer, earlier, count, as_found=True)
             for row, (attempts, succeeded) in zip(missing, more, strict=True):
                 tries[row] = (tries[row][0] + attempts, succeeded)

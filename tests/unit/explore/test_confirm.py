@@ -14,7 +14,7 @@ from reachtest.explore.variation import vary
 from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
 from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
-from tests.levels import EAST, NORTH, STILL, UNREAL, WEST, box, level
+from tests.levels import EAST, NORTH, NORTH_EAST, STILL, UNREAL, WEST, box, level
 
 PLATFORM = box([-6, -6, -1], [6, 6, 0])
 NAV = np.array([[[-5, -5, 0], [2, -5, 0], [2, 5, 0]], [[-5, -5, 0], [2, 5, 0], [-5, 5, 0]]], dtype=float)
@@ -22,9 +22,11 @@ SETTINGS = ExploreSettings(agents=4, episodes_at_once=8)
 FAST = replace(UNREAL, walk_speed_mps=18.0, acceleration_mps2=400.0, ground_friction=40.0)
 
 
-def found(where: Level, simulator: MujocoSimulator, script: list[tuple[int, int]], kind: str) -> Finding:
-    """What a character finds that does as `script` says: (stick, for how many steps)."""
-    actions = np.array([[stick, 0] for stick, steps in script for _ in range(steps)], dtype=np.int8)
+def found(where: Level, simulator: MujocoSimulator, script: list[tuple[int, ...]], kind: str) -> Finding:
+    """What a character finds that does as `script` says: (stick, for how many steps), and 1 to jump."""
+    actions = np.array(
+        [[stick, any(jump)] for stick, steps, *jump in script for _ in range(steps)], dtype=np.int8
+    )
     state = simulator.place(where.spawns[0].position[None])[0]
     (trial,) = run_lanes(simulator, [Lane(state, actions, len(actions))])
     stood = trial.stood[np.isfinite(trial.stood[:, 0])]
@@ -58,7 +60,7 @@ def found(where: Level, simulator: MujocoSimulator, script: list[tuple[int, int]
     )
 
 
-def confirmed(where: Level, script: list[tuple[int, int]], kind: str) -> tuple[Finding, Finding]:
+def confirmed(where: Level, script: list[tuple[int, ...]], kind: str) -> tuple[Finding, Finding]:
     """The finding as it was found, and as it was confirmed."""
     simulator = MujocoSimulator(where, where.explore.lanes, 1)
     surface = SurfaceIndex(where.navmesh.triangles, where.explore.expected_within_m)
@@ -106,6 +108,23 @@ def test_a_wall_that_only_the_coarse_step_passes_is_fragile(walled) -> None:
     assert (again.confirmation.half_step[1] == 0) == walled
     assert again.fragile == walled
     assert again.gating == (not walled)
+
+
+def test_a_leap_that_turned_as_it_took_off_is_no_doing_of_the_time_step() -> None:
+    """Half the step turns half as far in the tick of the jump, and falls short from there, but not with a run-up."""
+    script = [(NORTH_EAST, 8), (EAST, 1, 1), (EAST, 12)]
+    for gap in np.arange(6.0, 2.0, -0.15):
+        here, there = box([-6, -6, -1], [2.3, 6, 0]), box([2.3 + gap, -6, -1], [30, 40, 0])
+        where = level(here, there, explore=SETTINGS, kill_z_m=-12.0, spawn=(-2, -5, 0.02), navmesh=NAV)
+        simulator = MujocoSimulator(where, 1, 1)
+        finding = found(where, simulator, script, "unexpected_area")
+        if finding.position[0] > 2.3 + gap:
+            break
+    assert finding.position[0] > 2.3 + gap, "no gap is crossed"
+    _, again = confirmed(where, script, "unexpected_area")
+    assert again.confirmation.half_step[0] > 33  # not from the take-off
+    assert again.confirmation.half_step[1] > 0
+    assert not again.fragile
 
 
 def test_a_long_way_round_gets_shorter_and_still_falls_bit_for_bit() -> None:
