@@ -82,7 +82,7 @@ def run(
         survey = Survey(level, exploration, islands)
         stop = (lambda: interrupted() is not None, tell)
         confirmer = Confirmer(level, simulator, surface, options.seed, _simulate(options), *stop)
-        findings = confirmer.confirm(find(level, exploration, replayer, survey))
+        findings = confirmer.confirm(find(level, exploration, replayer, survey, tell))
         exploration = dataclasses.replace(exploration, stop_reason=interrupted() or exploration.stop_reason)
         log.finish(findings)
     enough = judge(level.gate, exploration, (), survey.counts).name == "pass"

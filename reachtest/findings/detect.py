@@ -17,7 +17,7 @@ from reachtest.findings.evidence import Evidence
 from reachtest.findings.islands import unconnected_islands, unreached_areas
 from reachtest.findings.mismatch import navmesh_mismatch
 from reachtest.findings.stuck import no_returns, stuck_places
-from reachtest.interfaces import Replayer
+from reachtest.interfaces import Replayer, Teller
 from reachtest.navmesh.survey import Survey
 from reachtest.records import Exploration, Finding, Ints, Level
 
@@ -71,11 +71,18 @@ DETECTORS: tuple[Callable[[Evidence], list[Cluster]], ...] = (
 
 
 def find(
-    level: Level, exploration: Exploration, replayer: Replayer, survey: Survey | None = None
+    level: Level,
+    exploration: Exploration,
+    replayer: Replayer,
+    survey: Survey | None = None,
+    tell: Teller = lambda what, number, total: None,
 ) -> tuple[Finding, ...]:
-    """All findings: gating ones first, then by kind, size and place."""
+    """All findings: gating ones first, then by kind, size and place. `tell` hears which kind is looked for."""
     evidence = Evidence(level, exploration, replayer, survey)
-    clusters = [cluster for detector in DETECTORS for cluster in detector(evidence)]
+    clusters = []
+    for number, detector in enumerate(DETECTORS, 1):
+        tell("telling findings apart", number, len(DETECTORS))
+        clusters += detector(evidence)
     findings = [build_finding(evidence, cluster) for cluster in clusters]
     findings.sort(key=lambda f: (not f.gating, f.kind, -f.points, *f.position.round(3).tolist()))
     return tuple(_distinct(findings))

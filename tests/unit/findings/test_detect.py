@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.findings import find, judge
+from reachtest.findings import DETECTORS, find, judge
 from reachtest.findings.cluster import single_linkage
 from reachtest.records import (
     Exploration,
@@ -79,6 +79,12 @@ def exploration(points=(), falls=(), goals=(), reached=(), required=(), **change
 def fall(footing, exit_) -> Fall:
     origin = Origin(-1, 0, 0, 0, 9)
     return Fall(origin, np.array([*footing[:2], -60.0]), np.array(footing, float), np.array(exit_, float))
+
+
+def test_who_waits_hears_of_every_kind_that_is_looked_for() -> None:
+    told: list[tuple[int, int]] = []
+    find(LEVEL, exploration(), Paths(), None, lambda what, number, total: told.append((number, total)))
+    assert told == [(n, len(DETECTORS)) for n in range(1, len(DETECTORS) + 1)]
 
 
 def kinds(result: Exploration, where=LEVEL) -> list[str]:
