@@ -14,6 +14,10 @@ HOLD_STEPS = 6.0  # mean of the geometric time a direction is held: carries furt
 HEADINGS = 8  # ways to push; as many again push that way mostly jumping
 PUSH_JUMP_SHARE = 0.6  # of the holds of those: over a low wall it takes a jump right before it, and another
 LEAPS = 2 * HEADINGS  # headings above this begin with a leap: a run-up, one jump, and a stop
+STRAIGHTS = (
+    3 * HEADINGS
+)  # headings above this begin straight on: along a beam there is no room for anything else
+STRAIGHT_STEPS = 16  # two seconds
 LEAP_RUN_STEPS = 7  # at the most: two metres from a standstill at walking speed, and time to spare
 LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
 LEAP_STOP_STEPS = 3  # a pillar is soon run across
@@ -30,8 +34,8 @@ def action_stream(
 ) -> NDArray[np.int8]:
     """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
 
-    With a `heading` (1 to 8, 9 to 16 to jump more, or 17 to 24 to leap first) most of them push that way; 0 is for no
-    way in particular.
+    With a `heading` most of them push that way: 1 to 8, 9 to 16 to jump more, 17 to 24 to leap first, 25 to 32 to walk
+    straight on first. 0 is for no way in particular.
     """
     jump_share = PUSH_JUMP_SHARE if heading > HEADINGS else jump_share
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
@@ -44,7 +48,9 @@ def action_stream(
         towards = (heading - 1 + rng.integers(-1, 2, steps)) % 8 + 1
         stick = np.where(rng.random(steps) < HEADING_SHARE, towards, stick)
     actions = np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
-    if heading > LEAPS:
+    if heading > STRAIGHTS:
+        actions[:STRAIGHT_STEPS] = (heading - 1) % 8 + 1, 0
+    elif heading > LEAPS:
         leap = _leap(rng, heading)[:steps]
         actions[: len(leap)] = leap
     return actions

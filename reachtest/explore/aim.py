@@ -12,7 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import heading_of
+from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
@@ -21,6 +21,7 @@ from reachtest.records import Bools, Candidates, Floats, Ints
 BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
+STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
 CHOICE = 32  # cached points around a goal to start from: all round it, and above and below
 
 
@@ -29,7 +30,7 @@ class Aim:
     """What directed lanes of a round do."""
 
     starts: Ints  # [B] cached points
-    headings: Ints  # [B] 1 to 8, or 9 to 16: see `action_stream`
+    headings: Ints  # [B] 1 to 32: see `action_stream`
     targets: Ints  # [B] what each is counted for: a goal, or a place to push from
 
 
@@ -73,7 +74,8 @@ class Aims:
         goals = open_[chosen]
         np.add.at(self.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
-        return Aim(starts, heading_of(towards), goals)
+        straight = rng.random(len(starts)) < STRAIGHT_SHARE
+        return Aim(starts, heading_of(towards) + STRAIGHTS * straight, goals)
 
     def _forget_where_it_went_on(self) -> None:
         """Attempts count anew for a part of which a goal was reached: its border is another one now."""

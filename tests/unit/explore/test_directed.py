@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import action_stream, heading_of
-from reachtest.explore.aim import BORDER_M, Aims
+from reachtest.explore.actions import STRAIGHTS, action_stream, heading_of
+from reachtest.explore.aim import BORDER_M, STRAIGHT_SHARE, Aims
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet
 from reachtest.records import Candidates
@@ -22,6 +22,18 @@ def test_a_heading_carries_that_way_and_still_gets_around_corners(heading: int) 
     assert (moves.mean(axis=0) @ DIRECTIONS[heading - 1]) > 0.5
     assert set(stream[:, 0]) == set(range(9))  # no direction is ruled out
     assert heading_of(DIRECTIONS[heading - 1][None])[0] == heading
+
+
+def test_a_straight_heading_keeps_to_a_beam_and_a_share_of_the_attempts_has_one() -> None:
+    for number in range(20):
+        stream = action_stream(0, number, 0, 64, STRAIGHTS + 6)
+        assert (stream[:16] == [6, 0]).all()
+        assert len(set(stream[16:, 0])) > 1  # then around corners as ever
+    aim, _ = aims([[4, 0, 0]])
+    drawn = aim.draw(np.random.default_rng(0), 200, *cached([0, 0, 0]))
+    assert drawn is not None
+    assert set(drawn.headings) == {1, STRAIGHTS + 1}
+    assert (drawn.headings > STRAIGHTS).mean() == pytest.approx(STRAIGHT_SHARE, abs=0.1)
 
 
 def test_a_directed_stream_is_its_own_and_the_others_stay_as_they_were() -> None:
@@ -56,8 +68,9 @@ def test_every_open_part_gets_its_share_however_large_it_is() -> None:
     assert aim.attempts[:-1].sum() == aim.attempts[-1] == 16
     assert drawn is not None
     ahead = drawn.targets < len(large)
-    assert set(drawn.headings[ahead]) <= {1, 2, 3, 4, 5}  # north, give or take
-    assert set(drawn.headings[~ahead]) == {7}
+    way = (drawn.headings - 1) % 8 + 1
+    assert set(way[ahead]) <= {1, 2, 3, 4, 5}  # north, give or take
+    assert set(way[~ahead]) == {7}
 
 
 def test_attempts_are_made_from_the_border_and_begin_anew_when_it_moves() -> None:

@@ -17,6 +17,9 @@ SEEDS = range(5)
 STEPS = (5_120, 10_240)  # a walker has found about 60 % and 80 % of its cells then
 LONGEST = 10 * STEPS[-1]
 WINDOW = 200  # episodes: enough to tell how many of them find something new
+LONG_WINDOW = (
+    800  # late in a run one episode in a hundred does: in 200 the next one by chance is half a percent
+)
 
 
 @cache
@@ -51,11 +54,13 @@ def test_the_estimated_total_is_nearer_to_the_truth_than_what_was_seen(steps: in
 
 
 def test_the_bound_holds_for_what_the_next_episodes_find() -> None:
-    """Where it says more than "at most 100 %": in 17 of 20 cases, since an adaptive search is no random sample."""
-    pairs = [pair for seed in SEEDS for pair in _pairs(seed) if pair[0].discovery_probability < 1]
+    """Where it says more than "at most 100 %": in 19 of 20 cases, though an adaptive search is no random sample."""
+    pairs = [
+        pair for seed in SEEDS for pair in _pairs(seed, LONG_WINDOW) if pair[0].discovery_probability < 1
+    ]
     held = [now.discovery_probability >= _observed(now, later) for now, later in pairs]
     assert len(held) >= 20 * len(SEEDS)
-    assert np.mean(held) >= 0.85
+    assert np.mean(held) >= 0.95
 
 
 def test_the_latest_episodes_tell_what_the_next_ones_find() -> None:
@@ -68,10 +73,10 @@ def test_the_latest_episodes_tell_what_the_next_ones_find() -> None:
     assert 0.0 <= (shares - observed).mean() < 0.15
 
 
-def _pairs(seed: int) -> list[tuple[RiskSample, RiskSample]]:
-    """Each sample with the first one that is WINDOW episodes later."""
+def _pairs(seed: int, window: int = WINDOW) -> list[tuple[RiskSample, RiskSample]]:
+    """Each sample with the first one that is `window` episodes later."""
     curve = run(seed).risk_curve
-    later = [next((b for b in curve if b.episodes >= a.episodes + WINDOW), None) for a in curve]
+    later = [next((b for b in curve if b.episodes >= a.episodes + window), None) for a in curve]
     return [(a, b) for a, b in zip(curve, later, strict=True) if b is not None]
 
 
