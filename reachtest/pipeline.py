@@ -11,8 +11,9 @@ from typing import Any
 
 from reachtest import __version__
 from reachtest.baseline import Baseline, apply_baseline, read_baseline
+from reachtest.confirm import Confirmer
 from reachtest.errors import BadInput, Problem
-from reachtest.explore import HEURISTICS, Confirmer, Explorer, Replayer
+from reachtest.explore import HEURISTICS, Explorer, Replayer
 from reachtest.findings import find, judge
 from reachtest.findings.audit import missed_ground
 from reachtest.findings.evidence import Evidence

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from reachtest.confirm.outcome import Judge, Outcome
+from reachtest.confirm.shorten import pursuits
+from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
+from reachtest.confirm.variation import vary
 from reachtest.errors import BadInput, Problem
-from reachtest.explore.outcome import Judge, Outcome
-from reachtest.explore.shorten import pursuits
-from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
-from reachtest.explore.variation import vary
 from reachtest.interfaces import Simulator
 from reachtest.levels import load_level, named_files
 from reachtest.navmesh.allowed import expected_surface

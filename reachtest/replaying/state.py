@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from reachtest import __version__
+from reachtest.confirm.outcome import Judge, Outcome
 from reachtest.errors import BadInput, Problem
-from reachtest.explore.outcome import Judge, Outcome
 from reachtest.files import write_whole
 from reachtest.levels import named_files
 from reachtest.records import Finding, Floats, Level

@@ -10,7 +10,7 @@ import pytest
 import reachtest
 
 PACKAGE = Path(reachtest.__file__).parent
-STAGES = ("levels", "world", "explore", "findings", "logs", "report")
+STAGES = ("levels", "world", "explore", "findings", "confirm", "logs", "report")
 WIRING = ("pipeline", "cli", "commands", "bench", "replaying")  # these may import every stage
 TOOLBOX = "reachtest.navmesh"  # what several stages need to know of nav-meshes
 MODULES = {

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reachtest.confirm.outcome import Judge
 from reachtest.errors import BadInput
-from reachtest.explore.outcome import Judge
 from reachtest.replaying.state import STATE_FILE, read_state, write_state
 from reachtest.surface import SurfaceIndex
 from tests.unit.report.make import make_finding, make_level, make_path

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.explore.trials import Actions
+from reachtest.confirm.trials import Actions
 
 EDITS = (1, 2, 3)  # of a variation: few, or a long script is lost
 EDIT_STEPS = 6  # [agent steps] that a replaced piece has, as long as a hold

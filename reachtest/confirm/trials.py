@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.explore.pursuit import Pursuers, Pursuit
+from reachtest.confirm.pursuit import Pursuers, Pursuit
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints
 

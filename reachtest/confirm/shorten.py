@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reachtest.explore.outcome import Judge, Outcome
-from reachtest.explore.pursuit import LOOP_M, Pursuit, Route, route_of
-from reachtest.explore.trials import LOOK_STEPS, Actions, Lane, Trial, Trials, run_lanes
+from reachtest.confirm.outcome import Judge, Outcome
+from reachtest.confirm.pursuit import LOOP_M, Pursuit, Route, route_of
+from reachtest.confirm.trials import LOOK_STEPS, Actions, Lane, Trial, Trials, run_lanes
 from reachtest.interfaces import Simulator
 from reachtest.records import Floats
 

@@ -10,8 +10,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from reachtest.explore.pursuit import Route, route_of
-from reachtest.explore.trials import Trial
+from reachtest.confirm.pursuit import Route, route_of
+from reachtest.confirm.trials import Trial
 from reachtest.records import Floats, Ints, NavMesh
 
 EDGE_M = 2.0  # as far apart as vertices may be: the ways are longer than the shortest by a twelfth at most

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.explore.pursuit import Pursuit, Route, route_of
-from reachtest.explore.trials import Lane, run_lanes
+from reachtest.confirm.pursuit import Pursuit, Route, route_of
+from reachtest.confirm.trials import Lane, run_lanes
 from reachtest.world import MujocoSimulator
 from tests.levels import FLOOR, box, level
 

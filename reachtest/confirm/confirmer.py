@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from reachtest.explore.outcome import ON_MESH_M, Judge
-from reachtest.explore.shorten import Way, affordable, pursuits, shorten
-from reachtest.explore.trials import Lane, Plan, Trial, run_lanes
-from reachtest.explore.variation import held, vary
+from reachtest.confirm.outcome import ON_MESH_M, Judge
+from reachtest.confirm.shorten import Way, affordable, pursuits, shorten
+from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
+from reachtest.confirm.variation import held, vary
 from reachtest.geometry import near_from_above
 from reachtest.interfaces import Simulator, Surface, Teller
 from reachtest.records import Confirmation, Finding, Level, ReplayPath

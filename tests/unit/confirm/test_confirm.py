@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.explore.confirm import Confirmer
-from reachtest.explore.shorten import pursuits
-from reachtest.explore.trials import Lane, run_lanes
-from reachtest.explore.variation import vary
+from reachtest.confirm.confirmer import Confirmer
+from reachtest.confirm.shorten import pursuits
+from reachtest.confirm.trials import Lane, run_lanes
+from reachtest.confirm.variation import vary
 from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
 from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
@@ -174,7 +174,7 @@ def test_what_has_no_path_stays_as_it_is_and_gating_ones_come_first() -> None:
 
 
 def test_once_interrupted_what_is_not_confirmed_yet_stays_as_it_was_found(monkeypatch) -> None:
-    monkeypatch.setattr("reachtest.explore.confirm.AT_ONCE", 1)
+    monkeypatch.setattr("reachtest.confirm.confirmer.AT_ONCE", 1)
     where, told = platform(), []
     simulator = MujocoSimulator(where, where.explore.lanes, 1)
     surface = SurfaceIndex(where.navmesh.triangles, 3.0)

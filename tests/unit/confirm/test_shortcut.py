@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.explore.shortcut import over_navmesh
-from reachtest.explore.trials import Trial
+from reachtest.confirm.shortcut import over_navmesh
+from reachtest.confirm.trials import Trial
 from reachtest.records import Floats, NavMesh
 
 

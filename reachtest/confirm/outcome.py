@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.explore.pursuit import Route
-from reachtest.explore.shortcut import over_navmesh
-from reachtest.explore.trials import Trial
+from reachtest.confirm.pursuit import Route
+from reachtest.confirm.shortcut import over_navmesh
+from reachtest.confirm.trials import Trial
 from reachtest.geometry import inside_closed_surface
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Finding, Floats, Level
