@@ -19,7 +19,7 @@ from reachtest.navmesh.raster import Samples, rasterise
 from reachtest.navmesh.room import Room, Standing
 from reachtest.records import Bools, Character, Floats, Ints, NavAgent, NavMesh
 
-HANGING_M = 3.0  # a surface farther above the floor has nothing to do with it: a storey
+HANGING_M = 2.5  # a surface farther above the floor has nothing to do with it: a storey, a shelf
 HANGING_SHARE = 0.99  # of a surface that hangs no higher than its agent climbs; the rest are holes and rims
 STEP_REACH_M = 1.2  # erosion by a radius of half a metre on both sides, and a cell each
 STEP_SLACK_M = 0.02  # rounding, and what a simulator's step-up allows
