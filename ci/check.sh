@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # The whole gate: sets up a virtual environment, then format, lint, strict types and tests.
+# Property tests draw the same examples every time: a gate must not flake.
 # Needs Python 3.11 or newer and nothing else. REACHTEST_VENV names another place for the environment.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,4 +10,4 @@ venv=${REACHTEST_VENV:-.venv-check}
 "$venv/bin/ruff" format --check .
 "$venv/bin/ruff" check .
 "$venv/bin/mypy"
-"$venv/bin/python" -m pytest "$@"
+"$venv/bin/python" -m pytest --hypothesis-profile=ci "$@"

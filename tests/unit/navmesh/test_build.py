@@ -13,6 +13,7 @@ from reachtest.geometry import triangle_normals
 from reachtest.levels import PRESETS
 from reachtest.navmesh import build as build_module
 from reachtest.navmesh.build import build_navmesh, turned_over
+from reachtest.navmesh.contour import END_TOLERANCE
 from reachtest.navmesh.islands import islands
 from reachtest.navmesh.settings import settings_for
 from reachtest.records import Floats, NavMesh
@@ -183,6 +184,10 @@ BOXES = st.lists(
 )
 
 
+# A column that a floor only touches counts whole, corner to corner, and a patch's side along x may lie beyond it.
+FARTHEST = float(np.hypot(1 + END_TOLERANCE, 1) * CELL + settings_for(WHO).cell_height_m)
+
+
 @settings(max_examples=25, deadline=None)
 @given(BOXES)
 def test_every_vertex_lies_near_a_floor_the_same_every_time(boxes: list[tuple[float, ...]]) -> None:
@@ -196,7 +201,7 @@ def test_every_vertex_lies_near_a_floor_the_same_every_time(boxes: list[tuple[fl
     floors = everything[triangle_normals(everything)[0][:, 2] > 0.9]
     if len(navmesh.faces):
         near = SurfaceIndex(floors, 2.0).distance(navmesh.vertices)
-        assert near.max() <= CELL + 0.075
+        assert near.max() <= FARTHEST
     again = built(*pieces)
     assert np.array_equal(again.vertices, navmesh.vertices)
     assert np.array_equal(again.faces, navmesh.faces)
