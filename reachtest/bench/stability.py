@@ -7,7 +7,11 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import nullcontext
 from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -49,26 +53,44 @@ class Stability:
 
 
 def measure_stability(
-    path: Path, seeds: int, steps: int | None = None, told: Callable[[str], None] = lambda line: None
+    path: Path,
+    seeds: int,
+    steps: int | None = None,
+    jobs: int = 1,
+    told: Callable[[str], None] = lambda line: None,
 ) -> Stability:
-    """Run the level at `path` with seeds 0 to `seeds` - 1. Raises BadInput."""
+    """Run the level at `path` with seeds 0 to `seeds` - 1, `jobs` at a time. Raises BadInput."""
     began = time.perf_counter()
+    level = pipeline.load(_options(path, 0, steps))
+    run = partial(_run, path, steps, threads=0 if jobs == 1 else 1)
     verdicts: list[str] = []
     found: list[tuple[Finding, ...]] = []
-    for seed in range(seeds):
-        options = pipeline.with_overrides(pipeline.RunOptions(path, seed=seed), explore={"steps": steps})
-        level = pipeline.load(options)
-        with tempfile.TemporaryDirectory(prefix="reachtest-") as folder:
-            report, _ = pipeline.run(level, dataclasses.replace(options, out=Path(folder)))
-        verdicts.append(report.verdict.name)
-        found.append(report.findings)
-        kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(f.kind for f in report.findings).items())
-        told(f"{level.name} seed {seed}: {report.verdict.name}; {kinds or 'no findings'}")
+    with ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext() as pool:
+        for seed, (verdict, findings) in enumerate(
+            pool.map(run, range(seeds)) if pool else map(run, range(seeds))
+        ):
+            verdicts.append(verdict)
+            found.append(findings)
+            kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(f.kind for f in findings).items())
+            told(f"{level.name} seed {seed}: {verdict}; {kinds or 'no findings'}")
     wanted = {bug.name: _seeds_with(bug, found) for bug in planted_bugs(path, level.frame)}
     bugs = same_bugs(found, level.frame.to_source)
     name = level.name if path.stem == "level" else f"{level.name} ({path.stem})"
     wall_s = time.perf_counter() - began
     return Stability(name, seeds, level.explore.steps, tuple(verdicts), bugs, wanted, wall_s)
+
+
+def _options(path: Path, seed: int, steps: int | None, threads: int = 0) -> pipeline.RunOptions:
+    options = pipeline.RunOptions(path, seed=seed, threads=threads)
+    return pipeline.with_overrides(options, explore={"steps": steps})
+
+
+def _run(path: Path, steps: int | None, seed: int, threads: int) -> tuple[str, tuple[Finding, ...]]:
+    """The verdict and the findings of one seed."""
+    options = _options(path, seed, steps, threads)
+    with tempfile.TemporaryDirectory(prefix="reachtest-") as folder:
+        report, _ = pipeline.run(pipeline.load(options), dataclasses.replace(options, out=Path(folder)))
+    return report.verdict.name, report.findings
 
 
 def same_bugs(found: Sequence[Sequence[Finding]], to_source: Callable[[Floats], Floats]) -> tuple[Bug, ...]:

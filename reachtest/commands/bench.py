@@ -42,13 +42,15 @@ def stability(
     levels: Annotated[list[Path], typer.Argument(metavar="LEVEL.yaml...", help="The level files.")],
     seeds: Annotated[int, typer.Option(min=1, help="Seeds 0 to N - 1.")] = 20,
     steps: Annotated[int | None, typer.Option(min=1, help="Agent steps. [default: the level's own]")] = None,
+    jobs: Annotated[int, typer.Option(min=1, help="Seeds at a time, each on one core.")] = 1,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object on stdout.")] = False,
 ) -> None:
     """Whether seeds agree on the verdict and on the findings; status 1 where verdicts differ."""
     from reachtest.bench.stability import as_data, as_markdown, measure_stability
 
     results = [
-        measure_stability(level, seeds, steps, lambda line: print(line, file=sys.stderr)) for level in levels
+        measure_stability(level, seeds, steps, jobs, lambda line: print(line, file=sys.stderr))
+        for level in levels
     ]
     print(json.dumps({"levels": as_data(results)}) if as_json else as_markdown(results))
     raise typer.Exit(0 if all(result.agreed for result in results) else 1)

@@ -16,7 +16,7 @@ def closed_yard(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_seeds_of_a_closed_yard_agree(closed_yard: Path) -> None:
-    done = reachtest("bench", "stability", closed_yard, "--seeds", 2, "--json")
+    done = reachtest("bench", "stability", closed_yard, "--seeds", 2, "--jobs", 2, "--json")
     assert done.returncode == 0, done.stderr
     (level,) = json.loads(done.stdout)["levels"]
     assert level["verdicts"] == ["pass", "pass"]
