@@ -17,7 +17,8 @@ import numpy as np
 
 from reachtest.records import Character, Floats, HeightField
 from reachtest.world.bounding import bounding_tree
-from reachtest.world.pieces import CORNERS, PRISM_M, Pieces
+from reachtest.world.pieces import PRISM_M, Pieces
+from reachtest.world.solids import CORNERS
 
 CONTACT_SLOTS = 8
 CONTACT_FIELDS = 5  # found, dist, normal
@@ -39,8 +40,10 @@ class Template:
         character: Character,
         timestep_s: float,
         fields: Sequence[HeightField] = (),
+        corners: int = CORNERS,
     ) -> None:
-        self.capacity = capacity
+        """A piece may have up to `corners`."""
+        self.capacity, self._corners = capacity, corners
         self._fields = np.array([_extent(field) for field in fields]).reshape(-1, 2, 3)
         spec = mujoco.MjSpec()
         spec.memory = ARENA_BYTES
@@ -54,7 +57,7 @@ class Template:
         option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         _add_capsule(spec, character)
         for slot in range(capacity):
-            _add_slot(spec, slot)
+            _add_slot(spec, slot, corners)
         for number, field in enumerate(fields):
             _add_field(spec, field, number)
         self._model = spec.compile()
@@ -63,7 +66,9 @@ class Template:
             self._model.hfield_data[begin : begin + field.heights.size] = _shares(field).ravel()
         self._model.mesh_graphadr[
             :
-        ] = -1  # every corner is asked: for eight that is no slower than a walk over a hull
+        ] = (
+            -1
+        )  # every corner is asked: for eight that is no slower than a walk over a hull, for more it is rare
 
     def fill(self, pieces: Pieces) -> mujoco.MjModel:
         """A model with `pieces`, at most `capacity`; the slots that are left over lie out of everybody's reach."""
@@ -72,7 +77,8 @@ class Template:
         # Mesh vertices are float32: keep them small, the position of the geom is float64.
         local = (pieces.corners - centre[:, None]).astype(np.float32)
         box = pieces.is_box
-        model.mesh_vert[: CORNERS * count] = local.reshape(-1, 3)
+        model.mesh_vert[: self._corners * count] = local.reshape(-1, 3)
+        model.mesh_vertnum[:count] = pieces.count
         model.mesh_extrema[:count] = (local @ _DIRECTIONS.T).argmax(axis=1)
         model.geom_pos[:count] = centre
         model.geom_type[:count] = np.where(box, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_MESH)
@@ -106,9 +112,11 @@ def quaternions(axes: Floats) -> Floats:
     return np.asarray(np.roll(Rotation.from_matrix(axes).as_quat(), 1, axis=1))
 
 
-def _add_slot(spec: mujoco.MjSpec, slot: int) -> None:
-    # One face keeps the mesh's own bounding tree, which nothing here asks, as small as it gets.
-    mesh = spec.add_mesh(name=f"m{slot}", uservert=_CUBE.ravel(), userface=[0, 1, 2])
+def _add_slot(spec: mujoco.MjSpec, slot: int, corners: int) -> None:
+    # One face keeps the mesh's own bounding tree, which nothing here asks, as small as it gets; so does a hull of
+    # eight corners with the room for others inside.
+    room = np.linspace(0.1, 0.9, corners - CORNERS)[:, None] * _CUBE[0]
+    mesh = spec.add_mesh(name=f"m{slot}", uservert=np.concatenate([_CUBE, room]).ravel(), userface=[0, 1, 2])
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_MESH,

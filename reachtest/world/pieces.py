@@ -1,9 +1,9 @@
 """What triangles collide as: convex pieces, as few as cover exactly the same space.
 
 A triangle is a thin prism, extruded against its normal. Two triangles of one plane that make a convex quadrilateral
-are one piece, and if it is a rectangle, a box. A closed convex part of up to eight corners is one solid piece.
+are one piece, and if it is a rectangle, a box. A closed convex part is one solid piece.
 
-Shape legend: F triangles, N pieces, E candidate pairs, C corners of a polygon.
+Shape legend: F triangles, N pieces, E candidate pairs, C corners of a piece or of a polygon.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ import numpy as np
 
 from reachtest.geometry import triangle_normals
 from reachtest.records import Bools, Floats, Ints
-from reachtest.world.solids import FLAT_M, MOST_CORNERS, convex_solids, weld
+from reachtest.world.solids import CORNERS, FLAT_M, convex_solids, weld
 
 PRISM_M = 0.03  # thick enough to be hit by walking characters, thin enough for double-sided walls
 MIN_ALTITUDE_M = 1e-3  # thinner slivers make no convex hull; the gap they leave is as thin
-CORNERS = MOST_CORNERS
 _MOST_INSET = 0.8  # of the way to a polygon's middle: its prism keeps some width below
 
 
@@ -26,7 +25,8 @@ _MOST_INSET = 0.8  # of the way to a polygon's middle: its prism keeps some widt
 class Pieces:
     """Convex pieces, each the hull of `corners`; a box where `half` says so."""
 
-    corners: Floats  # [N, 8, 3] fewer are repeated
+    corners: Floats  # [N, C, 3] where a piece has fewer, its last are repeated
+    count: Ints  # [N] corners that are no repetitions
     half: Floats  # [N, 3] half extents of a box along its axes; NaN: not a box
     axes: Floats  # [N, 3, 3] the box's axes as columns, right-handed; identity elsewhere
 
@@ -50,7 +50,7 @@ class Pieces:
 
     def take(self, ids: Ints) -> Pieces:
         """The pieces `ids` [n]."""
-        return Pieces(self.corners[ids], self.half[ids], self.axes[ids])
+        return Pieces(self.corners[ids], self.count[ids], self.half[ids], self.axes[ids])
 
 
 def pieces_of(triangles: Floats, hollow: Floats | None = None) -> Pieces:
@@ -74,10 +74,15 @@ def pieces_of(triangles: Floats, hollow: Floats | None = None) -> Pieces:
     single = np.setdiff1d(np.arange(len(rest)), pairs)
     first += [rest[pairs.min(axis=1)], rest[single]]
     made += [_thin(quads, insets), _thin(triangles[rest[single]], edges.inset[single])]
-    every = Pieces(
-        *(np.concatenate([getattr(p, name) for p in made]) for name in ("corners", "half", "axes"))
-    )
-    return every.take(np.argsort(np.concatenate(first), kind="stable"))
+    return _joined(made).take(np.argsort(np.concatenate(first), kind="stable"))
+
+
+def _joined(parts: list[Pieces]) -> Pieces:
+    """All pieces, with room for the corners of the roundest."""
+    most = max(part.corners.shape[1] for part in parts)
+    corners = [np.pad(p.corners, ((0, 0), (0, most - p.corners.shape[1]), (0, 0)), "edge") for p in parts]
+    rest = (np.concatenate([getattr(part, name) for part in parts]) for name in ("count", "half", "axes"))
+    return Pieces(np.concatenate(corners), *rest)
 
 
 def usable_triangles(triangles: Floats) -> Floats:
@@ -185,7 +190,7 @@ def _matching(pairs: Ints, count: int) -> Ints:
 
 
 def _hulls(corners: Floats) -> Pieces:
-    """Solid pieces of corners [n, 8, 3]; boxes are recognised whichever way they are turned."""
+    """Solid pieces of corners [n, C, 3]; boxes are recognised whichever way they are turned."""
     start = corners[:, :1]
     away = corners - start
     order = np.argsort(np.linalg.norm(away, axis=2), axis=1, kind="stable")
@@ -201,7 +206,8 @@ def _hulls(corners: Floats) -> Pieces:
         local = np.abs(np.einsum("ncd,nid->nci", corners - middle[:, None], unit)) - length[:, None] / 2
         box = (skew < 1e-6) & (np.abs(local).max(axis=(1, 2)) < FLAT_M) & (length.min(axis=1) > PRISM_M)
         half[box], axes[box] = length[box] / 2, unit[box].transpose(0, 2, 1)
-    return Pieces(corners, half, axes)
+    repeated = (corners == corners[:, -1:]).all(axis=2).sum(axis=1) - 1
+    return Pieces(corners, corners.shape[1] - repeated, half, axes)
 
 
 def _thin(polygons: Floats, insets: Floats) -> Pieces:
@@ -212,7 +218,7 @@ def _thin(polygons: Floats, insets: Floats) -> Pieces:
     normal = np.cross(sides, np.roll(sides, -1, axis=1)).sum(axis=1)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     below = polygons - PRISM_M * normal[:, None] + _moved_in(polygons, along, normal, insets)
-    spare = [polygons[:, -1:]] * (4 - polygons.shape[1]) + [below[:, -1:]] * (4 - polygons.shape[1])
+    spare = [below[:, -1:]] * (CORNERS - 2 * polygons.shape[1])
     corners = np.concatenate([polygons, below, *spare], axis=1)
     half, axes = np.full((len(polygons), 3), np.nan), np.tile(np.eye(3), (len(polygons), 1, 1))
     if polygons.shape[1] == 4:
@@ -220,7 +226,8 @@ def _thin(polygons: Floats, insets: Floats) -> Pieces:
         half[box] = np.stack([length[box, 0], length[box, 1], np.full(int(box.sum()), PRISM_M)], axis=1) / 2
         across = np.cross(normal[box], along[box, 0])
         axes[box] = np.stack([along[box, 0], across, normal[box]], axis=2)
-    return Pieces(corners, half, axes)
+    count = np.full(len(polygons), 2 * polygons.shape[1])
+    return Pieces(corners, count, half, axes)
 
 
 def _moved_in(polygons: Floats, along: Floats, normal: Floats, insets: Floats) -> Floats:

@@ -12,7 +12,9 @@ import numpy as np
 from reachtest.geometry import triangle_normals
 from reachtest.records import Bools, Floats, Ints
 
-MOST_CORNERS = 8
+CORNERS = 8  # of a box: a piece has room for as many at the least
+MOST_CORNERS = 64  # a pillar with 32 sides; more are better off as their sides, of which few are near
+MOST_TRIANGLES = 2 * MOST_CORNERS - 4  # of a closed surface without holes: Euler's formula
 FLAT_M = 1e-4  # how far a corner may be in front of a face: a tenth of the contact's own slack
 THICK_M = 0.03  # thinner than a triangle's own prism a solid is better off as its sides
 
@@ -25,19 +27,16 @@ def weld(triangles: Floats) -> Ints:
 
 def convex_solids(triangles: Floats, vertex: Ints, hollow: Floats) -> Iterator[tuple[Ints, int, Floats]]:
     """The closed convex runs of `triangles` seen from outside: their first triangles [K], how many
-    triangles each has, and corners [K, 8, 3]. Those around one of the points `hollow` [m, 3] are left out.
+    triangles each has, and corners [K, C, 3]. Those around one of the points `hollow` [m, 3] are left out.
 
-    `vertex` [F, 3] are the triangles' vertex numbers. Fewer than eight corners are filled up with the last.
+    `vertex` [F, 3] are the triangles' vertex numbers. Where there are fewer than C corners the last is repeated.
     """
     begin, length = _closed_runs(vertex)
-    for n in range(4, 13):
+    for n in np.unique(length[(length >= 4) & (length <= MOST_TRIANGLES)]).tolist():
         starts = begin[length == n]
-        if not len(starts):
-            continue
         runs = triangles[starts[:, None] + np.arange(n)]  # [K, n, 3, 3]
         names = vertex[starts[:, None] + np.arange(n)].reshape(len(starts), -1)
-        few = (np.diff(np.sort(names, axis=1), axis=1) > 0).sum(axis=1) < MOST_CORNERS
-        good = np.flatnonzero(few & _convex(runs) & ~_around(runs, hollow))
+        good = np.flatnonzero(_convex(runs) & ~_around(runs, hollow))
         if len(good):
             yield starts[good], n, _corners(runs[good].reshape(len(good), -1, 3), names[good])
 
@@ -87,12 +86,12 @@ def _around(runs: Floats, hollow: Floats) -> Bools:
 
 
 def _corners(points: Floats, names: Ints) -> Floats:
-    """The distinct points [K, 8, 3] of [K, p, 3], told apart by `names` [K, p]."""
+    """The distinct points [K, C, 3] of [K, p, 3], told apart by `names` [K, p]; the last is repeated."""
     order = np.argsort(names, axis=1, kind="stable")
     ordered = np.take_along_axis(names, order, axis=1)
     fresh = np.concatenate([np.ones((len(names), 1), dtype=np.bool_), np.diff(ordered, axis=1) > 0], axis=1)
     place = np.cumsum(fresh, axis=1) - 1
-    result = np.empty((len(names), MOST_CORNERS, 3))
+    result = np.empty((len(names), max(CORNERS, int(fresh.sum(axis=1).max())), 3))
     last = np.take_along_axis(order, fresh.shape[1] - 1 - fresh[:, ::-1].argmax(axis=1)[:, None], axis=1)
     result[:] = points[np.arange(len(names))[:, None], last]
     row, column = np.nonzero(fresh)

@@ -42,7 +42,9 @@ class TiledBatch:
         starts = spawns[np.arange(agents) % len(spawns)]
         self._pieces = pieces_of(triangles, spawns)
         self._partition = partition(self._pieces, margin_for(character, timestep_s), tile_pieces)
-        self._template = Template(self._partition.capacity, character, timestep_s, fields)
+        self._template = Template(
+            self._partition.capacity, character, timestep_s, fields, self._pieces.corners.shape[1]
+        )
         self._models = TileModels(self._compile, tiles_mb)
         self._tile = self._partition.find(starts)
         self._running = [self._models.get(tile, self._tile) for tile in self._tile.tolist()]

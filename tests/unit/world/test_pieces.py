@@ -111,10 +111,11 @@ def test_pieces_fill_the_space_of_the_prisms(seed: int) -> None:
         np.concatenate(
             [triangles[:, [0, 1, 2, 2]], (triangles - PRISM_M * normals[:, None])[:, [0, 1, 2, 2]]], axis=1
         ),
+        np.full(len(triangles), 8),
         np.full((len(triangles), 3), np.nan),
         np.tile(EVERY_AXIS, (len(triangles), 1, 1)),
     )
-    weight = rng.dirichlet(np.ones(8), (len(pieces), 40))
+    weight = rng.dirichlet(np.ones(pieces.corners.shape[1]), (len(pieces), 40))
     points = np.einsum("fnk,fkd->fnd", weight, pieces.corners)
     assert inside(prisms, points.reshape(-1, 3), 1e-6).all()
 
@@ -138,19 +139,30 @@ def compiled(pieces: Pieces) -> mujoco.MjModel:
     return spec.compile()
 
 
+def pillar(sides: int, radius: float, height: float) -> Floats:
+    """A closed prism over a regular polygon."""
+    angle = np.arange(sides) * 2 * np.pi / sides
+    ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(sides)], axis=1)
+    top, following = ring + [0, 0, height], np.roll(np.arange(sides), -1)
+    walls = [(ring, ring[following], top[following]), (ring, top[following], top)]
+    lids = [(ring[:1], ring[2:], ring[1:-1]), (top[:1], top[1:-1], top[2:])]
+    return np.concatenate([np.stack(np.broadcast_arrays(*corners), axis=1) for corners in walls + lids])
+
+
 def test_a_filled_template_touches_what_a_compiled_model_touches() -> None:
-    """15,000 capsules among boxes, quadrilaterals and triangles, tilted: the same depth and direction."""
+    """18,000 capsules among boxes, quadrilaterals, triangles and pillars, tilted: the same depth and direction."""
     rng = np.random.default_rng(3)
     slab = np.array([[[0, 0, 0], [2, 0, 0], [1.5, 1, 0]], [[0, 0, 0], [1.5, 1, 0], [0.2, 1, 0]]], dtype=float)
-    shapes = [box([0, 0, 0], [1, 2, 0.5]), rectangle(2, 1), slab, slab[:1]]
-    some = [turned(shapes[i % 4], 40 * i) if i % 4 else shapes[0] for i in range(12)]
+    shapes = [box([0, 0, 0], [1, 2, 0.5]), rectangle(2, 1), slab, slab[:1], pillar(7, 0.5, 1.5)]
+    some = [turned(shapes[i % 5], 40 * i) if i % 5 else shapes[0] for i in range(15)]
     triangles = np.concatenate([s + rng.uniform(-3, 3, 3) for s in some])
     pieces = pieces_of(triangles)
-    assert len(pieces) == 12
-    models = Template(20, UNREAL, 1 / 30).fill(pieces), compiled(pieces)
+    assert len(pieces) == 15
+    assert pieces.corners.shape[1] == pieces.count.max() == 14
+    models = Template(20, UNREAL, 1 / 30, corners=14).fill(pieces), compiled(pieces)
     datas = [mujoco.MjData(model) for model in models]
     compared = 0
-    for feet in rng.uniform([-4, -4, -5], 4, (15_000, 3)):
+    for feet in rng.uniform([-4, -4, -5], 4, (18_000, 3)):
         seen = []
         for model, data in zip(models, datas, strict=True):
             data.qpos[:] = feet
@@ -190,6 +202,22 @@ def test_closed_convex_parts_are_one_piece_whichever_way_they_are_turned() -> No
     assert pieces.is_box.tolist() == [False, True, True, False]
     assert sorted(pieces.half[2]) == pytest.approx([1.0, 1.5, 2.0])
     assert pieces.high[0].tolist() == [4, 2, 3]
+
+
+@pytest.mark.parametrize("sides", [3, 5, 12, 32])
+def test_a_pillar_is_one_piece(sides: int) -> None:
+    pieces = pieces_of(
+        np.concatenate([turned(pillar(sides, 0.7, 3)), box([9, 9, 9], [10, 10, 10]), rectangle(1, 2)])
+    )
+    assert pieces.count.tolist() == [2 * sides, 8, 8]
+    assert pieces.is_box.tolist() == [False, True, True]
+    assert np.allclose(pieces.corners[1:, 7:], pieces.corners[1:, 7:8]), "the last is repeated"
+
+
+def test_a_rounder_pillar_keeps_its_sides() -> None:
+    pieces = pieces_of(pillar(33, 0.7, 3))
+    assert len(pieces) > 33
+    assert pieces.corners.shape[1] == 8
 
 
 def test_a_prism_does_not_stick_out_of_its_neighbour_at_a_sharp_edge() -> None:
