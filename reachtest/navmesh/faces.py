@@ -27,20 +27,28 @@ class FaceIndex:
         """
         face, away = np.full(len(points), -1), np.full(len(points), np.inf)
         for begin, end, row, member in self._columns.pairs(points):
-            cost, gap = self._cost(points[begin:end][row], self._triangles[member], down_m, up_m)
-            order = np.lexsort((member, cost, row))
+            cost, gap = self._cost(points[begin:end][row], row, self._triangles[member], down_m, up_m)
+            some = np.flatnonzero(np.isfinite(cost))
+            order = some[np.lexsort((member[some], cost[some], row[some]))]
             best = order[np.append(True, row[order[1:]] != row[order[:-1]])[: len(order)]]
-            best = best[np.isfinite(cost[best])]
             face[begin + row[best]], away[begin + row[best]] = member[best], gap[best]
         return face, away
 
-    def _cost(self, points: Floats, triangles: Floats, down_m: float, up_m: float) -> tuple[Floats, Floats]:
-        """Of pairs: what to choose by (infinite: never), and the distance [m]."""
+    def _cost(
+        self, points: Floats, row: Ints, triangles: Floats, down_m: float, up_m: float
+    ) -> tuple[Floats, Floats]:
+        """Of pairs, of which those of one point have the same `row`: what to choose by (infinite: never), and the
+        distance [m]. Who has a face straight below or above needs no distance to those beside."""
         inside, drop = height_above(points, triangles)
         column = inside & (drop <= down_m) & (drop >= -up_m)
-        near = point_triangle_distance(points, triangles)
-        far = np.where(near <= self._reach, down_m + up_m + near, np.inf)
-        return np.where(column, np.abs(drop), far), np.where(column, np.abs(drop), near)
+        cost = gap = np.where(column, np.abs(drop), np.inf)
+        if self._reach > 0:
+            settled = np.bincount(row, weights=column) > 0
+            beside = np.flatnonzero(~settled[row])
+            near = point_triangle_distance(points[beside], triangles[beside])
+            cost, gap = cost.copy(), gap.copy()
+            cost[beside], gap[beside] = np.where(near <= self._reach, down_m + up_m + near, np.inf), near
+        return cost, gap
 
 
 def height_above(points: Floats, triangles: Floats) -> tuple[Bools, Floats]:
