@@ -17,8 +17,7 @@ import numpy as np
 
 from reachtest.records import Character, Floats, HeightField
 from reachtest.world.bounding import bounding_tree
-from reachtest.world.pieces import PRISM_M, Pieces
-from reachtest.world.solids import CORNERS
+from reachtest.world.pieces import CORNERS, PRISM_M, Pieces
 
 CONTACT_SLOTS = 8
 CONTACT_FIELDS = 5  # found, dist, normal

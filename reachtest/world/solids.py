@@ -11,8 +11,8 @@ import numpy as np
 
 from reachtest.geometry import triangle_normals
 from reachtest.records import Bools, Floats, Ints
+from reachtest.world.pieces import CORNERS
 
-CORNERS = 8  # of a box: a piece has room for as many at the least
 MOST_CORNERS = 64  # a pillar with 32 sides; more are better off as their sides, of which few are near
 MOST_TRIANGLES = 2 * MOST_CORNERS - 4  # of a closed surface without holes: Euler's formula
 FLAT_M = 1e-4  # how far a corner may be in front of a face: a tenth of the contact's own slack

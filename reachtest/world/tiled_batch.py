@@ -13,8 +13,8 @@ from mujoco import batch
 
 from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, HeightField, Ints
+from reachtest.world.convex import pieces_of
 from reachtest.world.model import CONTACT_FIELDS, CONTACT_SLOTS, Template
-from reachtest.world.pieces import pieces_of
 from reachtest.world.tiles import TileModels, margin_for, partition
 
 _FRESH = int(mujoco.mjtStage.mjSTAGE_VEL)  # contacts of the state just reached, at no extra cost

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from reachtest.geometry import triangle_normals
 from reachtest.records import Bools, Floats
+from reachtest.world.convex import pieces_of
 from reachtest.world.model import Template
-from reachtest.world.pieces import PRISM_M, Pieces, pieces_of
+from reachtest.world.pieces import PRISM_M, Pieces
 from tests.levels import UNREAL, box
 
 EVERY_AXIS = np.eye(3)

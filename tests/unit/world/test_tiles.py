@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from reachtest.explore.actions import action_stream
 from reachtest.records import ExploreSettings, Floats
 from reachtest.world import MujocoSimulator
-from reachtest.world.pieces import pieces_of
+from reachtest.world.convex import pieces_of
 from reachtest.world.tiles import Margin, Partition, margin_for
 from tests.levels import UNREAL, box, level, slope
 
