@@ -17,7 +17,8 @@ _PAIRS_IN_CACHE = 1 << 13  # a pass that stays in a core's second-level cache is
 _POINTS_AT_ONCE = 1 << 12  # likewise, with a few neighbours a point
 _BLOCKS_ALONE = 8  # of points; more are worth threads
 _MOST_PIECES = 1 << 18  # beside the triangles themselves: a second of preparation
-_FIRST_NEIGHBOURS = 4  # most points need no more; the others ask again for four times as many
+_FIRST_NEIGHBOURS = 4  # most points need no more; the others ask again for as many as are likely to do
+_RESERVE, _MOST_POWER = 1.2, 6  # of that guess
 _SIZES, _SIZE_STEP = 4, float(np.log(3.0))  # pieces of one tree differ by this factor; the smallest share one
 _THIN = 1e-5  # height over length: a plane that is off by rounding
 _ROUNDING_M = 1e-9  # of the bounds: far above that of coordinates, far below any distance that counts
@@ -72,16 +73,21 @@ class SurfaceIndex:
         """Distance [n] to the nearest triangle; infinite, or beyond the limit, where none is within it."""
         best = np.full(len(points), np.inf)
         for group in self._groups:
-            count, seen = _FIRST_NEIGHBOURS, None
-            ask = np.arange(len(points))
-            while len(ask):
+            asking: list[tuple[Ints, int, Floats | None]] = [
+                (np.arange(len(points)), _FIRST_NEIGHBOURS, None)
+            ]
+            while asking:
+                ask, count, seen = asking.pop()
                 away, piece = group.query(points[ask], count, self.limit_m)
                 bound = np.minimum(np.minimum(best[ask], self.limit_m), away[:, 0]) + _ROUNDING_M
                 row, owner = group.possible(points[ask], away, piece, bound, seen)
                 self._measure(points, ask[row], owner, best)
-                last = away[:, -1]
-                more = last - group.widest <= np.minimum(best[ask], self.limit_m) + _ROUNDING_M
-                ask, seen, count = ask[more], last[more], 4 * count
+                bound, last = np.minimum(best[ask], self.limit_m) + _ROUNDING_M, away[:, -1]
+                more = np.flatnonzero(last - group.widest <= bound)
+                times = _times_as_many(bound[more], last[more], group.widest)
+                for factor in np.unique(times).tolist():
+                    some = more[times == factor]
+                    asking.append((ask[some], factor * count, last[some]))
         return best
 
     def _measure(self, points: Floats, row: Ints, owner: Ints, best: Floats) -> None:
@@ -89,6 +95,15 @@ class SurfaceIndex:
         for begin in range(0, len(row), _PAIRS_IN_CACHE):
             some, which = row[begin : begin + _PAIRS_IN_CACHE], owner[begin : begin + _PAIRS_IN_CACHE]
             np.minimum.at(best, some, point_triangle_distance(points[some], self._triangles[which]))
+
+
+def _times_as_many(bound: Floats, last: Floats, widest: float) -> Ints:
+    """How many times as many neighbours to ask for [n], a power of two, where the last one was `last` away and those
+    up to `bound` + `widest` count: as if they lay evenly in a plane at `bound`."""
+    square = np.maximum(bound, 0.0) ** 2
+    ratio = ((bound + widest) ** 2 - square) / np.maximum(last**2 - square, _ROUNDING_M)
+    power = np.ceil(np.log2(np.maximum(_RESERVE * ratio, 1.0)))
+    return np.asarray(2 ** np.clip(power, 1, _MOST_POWER).astype(np.int64))
 
 
 class _Pieces:
