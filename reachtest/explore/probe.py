@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import JUMP_SHARE, action_stream, heading_of, start_generator
-from reachtest.explore.regions import Region, Survey, Surveyor
+from reachtest.explore.regions import Region, TrapFinder, Trapped
 from reachtest.explore.replay import Replayer
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.explore.transitions import UNKNOWN, Transitions, footholds
@@ -90,70 +90,70 @@ class Prober:
 
         `islands` are those of the level's nav-mesh.
         """
-        surveyor = Surveyor(self._level, islands)
-        survey = surveyor.survey(self._transitions.graph())
+        finder = TrapFinder(self._level, islands)
+        trapped = finder.find(self._transitions.graph())
         few = self._simulator.agents // LANES_A_REGION
         for _ in range(SWEEPS):
-            if len(survey.regions) <= few or self._steps >= self._budget or interrupted():
+            if len(trapped.regions) <= few or self._steps >= self._budget or interrupted():
                 break
-            tell("looking for pockets", 1, len(survey.regions))
-            self._sweep(survey)
-            survey = surveyor.survey(self._transitions.graph(), survey.suspects)
+            tell("looking for pockets", 1, len(trapped.regions))
+            self._sweep(trapped)
+            trapped = finder.find(self._transitions.graph(), trapped.suspects)
         while self._steps < self._budget and not interrupted():
-            if not (open_ := [r for r in survey.regions if not self._done(survey, r)]):
+            if not (open_ := [r for r in trapped.regions if not self._done(trapped, r)]):
                 break
-            tell("looking for pockets", len(survey.regions) - len(open_) + 1, len(survey.regions))
-            self._besiege(survey, open_[: max(1, few)])
-            survey = surveyor.survey(self._transitions.graph(), survey.suspects)
+            tell("looking for pockets", len(trapped.regions) - len(open_) + 1, len(trapped.regions))
+            self._besiege(trapped, open_[: max(1, few)])
+            trapped = finder.find(self._transitions.graph(), trapped.suspects)
         pockets = [
-            self._pocket(survey, region, points) for region in survey.regions if self._done(survey, region)
+            self._pocket(trapped, region, points) for region in trapped.regions if self._done(trapped, region)
         ]
         return Probed(tuple(pockets), self._episodes, self._steps)
 
     # --- probing ----------------------------------------------------------------------------------
 
-    def _sweep(self, survey: Survey) -> None:
+    def _sweep(self, trapped: Trapped) -> None:
         """An episode or more from every region, towards the nearest place that leads back."""
         rng, agents = start_generator(self._seed, self._round), self._simulator.agents
-        often = max(1, agents // len(survey.regions))
-        rows = np.array([rng.choice(self._known(survey, region)) for region in survey.regions * often])
+        often = max(1, agents // len(trapped.regions))
+        rows = np.array([rng.choice(self._known(trapped, region)) for region in trapped.regions * often])
         for begin in range(0, len(rows), agents):
-            front = self._front(survey, rows[begin : begin + agents])
+            front = self._front(trapped, rows[begin : begin + agents])
             jumps = np.array(JUMPS)[rng.integers(1, len(JUMPS), len(front.states))]
-            self._probe(front, self._back(survey, front), jumps)
+            self._probe(front, self._back(trapped, front), jumps)
 
-    def _besiege(self, survey: Survey, regions: list[Region]) -> None:
+    def _besiege(self, trapped: Trapped, regions: list[Region]) -> None:
         """Episodes from all over the regions in all directions, and on from where they ended."""
         rng = start_generator(self._seed, self._round)
         each = max(1, self._simulator.agents // len(regions))
-        rows = np.concatenate([self._starts(rng, survey, region, each) for region in regions])
+        rows = np.concatenate([self._starts(rng, trapped, region, each) for region in regions])
         number = np.arange(len(rows)) % each
         jumps = np.array(JUMPS)[number // 8 % len(JUMPS)]
-        front = self._nudged(rng, self._front(survey, rows), number // 8 % 2 == 1)
+        front = self._nudged(rng, self._front(trapped, rows), number // 8 % 2 == 1)
         for episode in range(CHAIN):
             around = (number + episode) % 8 + 1
-            headings = self._back(survey, front) if episode % 2 else around
+            headings = self._back(trapped, front) if episode % 2 else around
             front = self._probe(front, headings, jumps)
 
-    def _starts(self, rng: np.random.Generator, survey: Survey, region: Region, count: int) -> Ints:
+    def _starts(self, rng: np.random.Generator, trapped: Trapped, region: Region, count: int) -> Ints:
         """Where to start from: where one ends up; on the way there, which may fork; where a way back is near."""
-        places = survey.graph.places
-        known = region.rows[survey.graph.origins[region.rows, 0] != UNKNOWN]
-        core, any_ = rng.choice(self._known(survey, region), count), rng.choice(known, count)
-        away = np.linalg.norm(places[known] - self._way_back(survey, places[known]), axis=1)
+        places = trapped.graph.places
+        known = region.rows[trapped.graph.origins[region.rows, 0] != UNKNOWN]
+        core, any_ = rng.choice(self._known(trapped, region), count), rng.choice(known, count)
+        away = np.linalg.norm(places[known] - self._way_back(trapped, places[known]), axis=1)
         border = rng.choice(known[np.argsort(away, kind="stable")[: max(BORDER, len(known) // 8)]], count)
         return np.choose(np.arange(count) // 16 % 4, [core, border, core if region.stuck else border, any_])
 
-    def _known(self, survey: Survey, region: Region) -> Ints:
+    def _known(self, trapped: Trapped, region: Region) -> Ints:
         """The places of a region that the exploration got to itself: where one ends up, if possible."""
-        known = survey.graph.origins[:, 0] != UNKNOWN
+        known = trapped.graph.origins[:, 0] != UNKNOWN
         core = region.core[known[region.core]]
         return core if len(core) else region.rows[known[region.rows]]
 
-    def _front(self, survey: Survey, rows: Ints) -> _Front:
+    def _front(self, trapped: Trapped, rows: Ints) -> _Front:
         """The characters as they were at places `rows` [n]: simulated again, bit for bit."""
-        origins = [Origin(*row) for row in survey.graph.origins[rows].tolist()]
-        graph = survey.graph
+        origins = [Origin(*row) for row in trapped.graph.origins[rows].tolist()]
+        graph = trapped.graph
         return _Front(self._replayer.states_at(origins), graph.places[rows], graph.keys[rows])
 
     def _nudged(self, rng: np.random.Generator, front: _Front, chosen: Bools) -> _Front:
@@ -194,29 +194,29 @@ class Prober:
         cells = np.unique(pack_cells(np.floor(passed / self._level.explore.threshold_m).astype(np.int64)))
         return _Attempt(cells, float(away.max(initial=0.0)))
 
-    def _back(self, survey: Survey, front: _Front) -> Ints:
+    def _back(self, trapped: Trapped, front: _Front) -> Ints:
         """The headings [n] to the nearest place that leads back."""
-        return heading_of(self._way_back(survey, front.footings) - front.footings)
+        return heading_of(self._way_back(trapped, front.footings) - front.footings)
 
-    def _way_back(self, survey: Survey, places: Floats) -> Floats:
+    def _way_back(self, trapped: Trapped, places: Floats) -> Floats:
         """The place that leads back nearest to each of `places` [n, 3]."""
-        known = survey.graph.places[survey.back & ~survey.graph.is_out]
+        known = trapped.graph.places[trapped.back & ~trapped.graph.is_out]
         return known[cKDTree(known).query(places)[1]] if len(known) else places
 
     # --- what is left -----------------------------------------------------------------------------
 
-    def _of(self, survey: Survey, region: Region) -> Ints:
+    def _of(self, trapped: Trapped, region: Region) -> Ints:
         """The attempts that began in a region."""
-        return np.flatnonzero(np.isin(self._began, survey.graph.keys[region.rows]))
+        return np.flatnonzero(np.isin(self._began, trapped.graph.keys[region.rows]))
 
-    def _done(self, survey: Survey, region: Region) -> bool:
-        return len(self._of(survey, region)) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
+    def _done(self, trapped: Trapped, region: Region) -> bool:
+        return len(self._of(trapped, region)) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
 
-    def _pocket(self, survey: Survey, region: Region, points: Points) -> Pocket:
-        attempts, graph = [self._attempts[i] for i in self._of(survey, region)], survey.graph
+    def _pocket(self, trapped: Trapped, region: Region, points: Points) -> Pocket:
+        attempts, graph = [self._attempts[i] for i in self._of(trapped, region)], trapped.graph
         cells = np.unique(np.concatenate([attempt.cells for attempt in attempts]))
         inside = np.isin(self._transitions.cells(points.positions), graph.keys[region.core])
-        arrival = int(self._known(survey, region)[0])
+        arrival = int(self._known(trapped, region)[0])
         origin = Origin(*graph.origins[arrival].tolist())
         if (
             origin.step == origin.start and origin.parent >= 0

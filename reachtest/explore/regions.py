@@ -36,7 +36,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Survey:
+class Trapped:
     """What the transitions say as they stand."""
 
     graph: Graph
@@ -45,15 +45,15 @@ class Survey:
     regions: list[Region]  # largest first
 
 
-class Surveyor:
-    """Surveys transition graphs of one level."""
+class TrapFinder:
+    """Finds the traps of transition graphs of one level."""
 
     def __init__(self, level: Level, islands: Islands) -> None:
         self._islands = islands
         self._spawns = np.array([spawn.position for spawn in level.spawns])
         self._home_islands = np.setdiff1d(islands.of(self._spawns), -1)
 
-    def survey(self, graph: Graph, suspects: Ints | None = None) -> Survey:
+    def find(self, graph: Graph, suspects: Ints | None = None) -> Trapped:
         """Regions of the transitions as they stand; if given, only those with some of `suspects` (keys).
 
         Every episode ends somewhere, often where none was before: what a probe finds on its way is no suspect.
@@ -64,7 +64,7 @@ class Surveyor:
         trapped = np.flatnonzero(graph.led_to_from(suspected))
         keys = graph.keys[suspected]
         if not len(trapped):
-            return Survey(graph, back, keys, [])
+            return Trapped(graph, back, keys, [])
         label = _components(graph, trapped, STRONGLY)
         wide = np.zeros(len(back), dtype=np.bool_)
         wide[trapped] = _widths(graph.places[trapped], label)[label] > STUCK_M
@@ -77,7 +77,7 @@ class Surveyor:
         regions += [Region(rows, rows[wide[rows]], False) for rows in _connected(graph, lost)]
         regions = [region for region in regions if suspected[region.rows].any()]
         regions.sort(key=lambda region: (-len(region.rows), int(region.rows[0])))
-        return Survey(graph, back, keys, regions)
+        return Trapped(graph, back, keys, regions)
 
     def _homes(self, graph: Graph) -> Bools:
         """The places [N] where the spawns stand; below them if they hang in the air."""
