@@ -18,7 +18,10 @@ from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
 from reachtest.confirm.variation import held, vary
 from reachtest.geometry import near_from_above
 from reachtest.interfaces import Simulator, Surface, Teller
-from reachtest.records import Confirmation, Finding, Level, ReplayPath
+from reachtest.records import Confirmation, Fall, Finding, Level, ReplayPath
+
+# What to show of a finding, whether it came out, and (attempts, succeeded) at half the step and nearby.
+_Confirmed = tuple[Way, bool, tuple[int, int], tuple[int, int]]
 
 VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
 ALL_VARIATIONS = 512
@@ -49,13 +52,16 @@ class Confirmer:
         simulate: Callable[[Level, int], Simulator],
         interrupted: Callable[[], bool] = lambda: False,
         tell: Teller = lambda what, number, total: None,
+        path_to: Callable[[Fall], ReplayPath] | None = None,
     ) -> None:
-        """`simulate` makes a simulator of a level for a number of agents: it is asked for one at half the step.
+        """`simulate` makes a simulator of a level for a number of agents: it is asked for one at half the step;
+        `path_to` gives the way to a fall.
 
         Once `interrupted`, what is not confirmed yet stays unconfirmed.
         """
         self._level, self._simulator, self._simulate = level, simulator, simulate
         self._interrupted, self._tell, self._at = interrupted, tell, (0, 0)
+        self._path_to = path_to
         self.judge = Judge(level, surface)
         self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, 0, 0)))
 
@@ -71,17 +77,15 @@ class Confirmer:
                 some = order[begin : begin + AT_ONCE]
                 self._at = (begin + 1, len(order))
                 ways = self._confirmed([known[i] for i in some], [cut[i] for i in some], count)
-                for index, (way, exact, half, nearby) in zip(some, ways, strict=True):
-                    result[index] = self._with(findings[index], way, exact, half, nearby)
+                for index, confirmed in zip(some, ways, strict=True):
+                    result[index] = self._with(*self._elsewhere(findings[index], confirmed, count))
         except _Interrupted:
             pass
         finally:
             self._simulator.use(self._simulator.agents)
         return tuple(sorted(result, key=lambda finding: not finding.gating))
 
-    def _confirmed(
-        self, found: Sequence[Way], cut: Sequence[bool], count: int
-    ) -> list[tuple[Way, bool, tuple[int, int], tuple[int, int]]]:
+    def _confirmed(self, found: Sequence[Way], cut: Sequence[bool], count: int) -> list[_Confirmed]:
         """Of each way, `cut` where that can be paid: what to show, whether it came out, and (attempts, succeeded)."""
         shorter = iter(self._shorter([way for way, worth in zip(found, cut, strict=True) if worth]))
         ways = [next(shorter) if worth else way for way, worth in zip(found, cut, strict=True)]
@@ -97,9 +101,23 @@ class Confirmer:
         if self._interrupted():
             raise _Interrupted
 
-    def _with(
-        self, finding: Finding, way: Way, exact: bool, half: tuple[int, int], nearby: tuple[int, int]
-    ) -> Finding:
+    def _elsewhere(self, finding: Finding, confirmed: _Confirmed, count: int) -> tuple[Finding, _Confirmed]:
+        """The finding by another part of its edge, where half the step shows it there and not where it was shown."""
+        way, exact, half, nearby = confirmed
+        for fall in finding.others if not half[1] and self._path_to is not None else ():
+            assert self._path_to is not None
+            exit_point = None if np.isnan(fall.exit_point).any() else fall.exit_point
+            path = self._path_to(fall)
+            other = dataclasses.replace(finding, path=path, position=fall.footing, exit_point=exit_point)
+            if found := self._way(other):
+                ((again, came_out, more, around),) = self._confirmed([found], affordable([found]), count)
+                half = half[0] + more[0], more[1]
+                if more[1]:
+                    return other, (again, came_out, half, around)
+        return finding, (way, exact, half, nearby)
+
+    def _with(self, finding: Finding, confirmed: _Confirmed) -> Finding:
+        way, exact, half, nearby = confirmed
         path = finding.path
         assert path is not None
         tries = (path.attempts + 1, path.succeeded + exact)

@@ -17,6 +17,7 @@ ERRORS = frozenset(
     {"unexpected_area", "fell_out_of_world", "inside_solid", "forbidden_zone", "stuck", "required_unreached"}
 )
 _SAME_FLIGHT_M = 1.0
+_MOST_OTHERS = 3
 _ID_GRID_M = 8.0  # coarse, so that the same bug seen a little elsewhere keeps its id
 
 
@@ -71,6 +72,7 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
         suppressed_by=None,
         exits=None if cluster.exits is None else thin_out(cluster.exits),
         details=cluster.details,
+        others=_spread(cluster.falls, sight.position),
     )
 
 
@@ -102,6 +104,19 @@ def _from_the_edge(falls: Sequence[Fall]) -> list[Fall]:
     """The falls that flew hardly farther than any: who jumps out of a hole's reach shows its edge badly."""
     flown = np.array([np.hypot(*(fall.position - fall.footing)[:2]) for fall in falls])
     return [fall for fall, far in zip(falls, flown, strict=True) if far <= flown.min() + _SAME_FLIGHT_M]
+
+
+def _spread(falls: Sequence[Fall], shown: Floats) -> tuple[Fall, ...]:
+    """A few falls as far as can be from `shown` [3] and from each other."""
+    if not falls:
+        return ()
+    footings = np.array([fall.footing for fall in falls])
+    chosen: list[int] = []
+    away = np.linalg.norm(footings - shown, axis=1)
+    while len(chosen) < _MOST_OTHERS and away.max() > _SAME_FLIGHT_M:
+        chosen.append(int(away.argmax()))
+        away = np.minimum(away, np.linalg.norm(footings - footings[chosen[-1]], axis=1))
+    return tuple(falls[i] for i in chosen)
 
 
 def _known(exit_point: Floats) -> Floats | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reachtest.records.arrays import Floats
-from reachtest.records.exploration import Exploration, Origin
+from reachtest.records.exploration import Exploration, Fall, Origin
 from reachtest.records.level import Level
 
 KINDS = (
@@ -78,6 +78,7 @@ class Finding:
     fragile: bool = False  # came about again at the coarse time step only, or not at all
     exits: Floats | None = None  # [n, 3] where paths left the nav-mesh on the way to it, thinned out
     details: tuple[str, ...] = ()  # what else there is to say, a line each
+    others: tuple[Fall, ...] = ()  # falls over other parts of its edge, for where its own path is not enough
 
 
 @dataclass(frozen=True)
