@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from reachtest.confirm.confirmer import Confirmer
 from reachtest.confirm.shorten import pursuits
 from reachtest.confirm.trials import Lane, run_lanes
 from reachtest.confirm.variation import vary
-from reachtest.records import ExploreSettings, Finding, Floats, Level, ReplayPath
+from reachtest.records import ExploreSettings, Fall, Finding, Floats, Level, Origin, ReplayPath
 from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
 from tests.levels import EAST, NORTH, NORTH_EAST, STILL, UNREAL, WEST, box, level
@@ -108,6 +109,38 @@ def test_a_wall_that_only_the_coarse_step_passes_is_fragile(walled) -> None:
     assert (again.confirmation.half_step[1] == 0) == walled
     assert again.fragile == walled
     assert again.gating == (not walled)
+
+
+@pytest.mark.parametrize("open_west", [True, False])
+def test_what_half_the_step_shows_over_another_part_of_the_edge_is_not_fragile(open_west) -> None:
+    """East of the wall only the coarse step gets; what one falls off in the west is an edge for everybody."""
+    hall = [box([-20, -6, -1], [5, 6, 0]), box([3.0, -6, 0], [3.01, 6, 9])]
+    hall += [box([-20, y - 1, 0], [5, y, 9]) for y in (-6, 7)]
+    hall += [] if open_west else [box([-21, -7, -1], [-20, 7, 9])]
+    east, west = [(EAST, 30)], [(WEST, 30)]
+    for x in np.arange(-1.0, 0.0, 0.05):
+        where = level(
+            *hall, character=FAST, explore=SETTINGS, kill_z_m=-12.0, spawn=(x, 0.0, 0.02), navmesh=NAV
+        )
+        simulator = MujocoSimulator(where, where.explore.lanes, 1)
+        finding = found(where, simulator, east, "fell_out_of_world")
+        if finding.position[0] > 3.5:
+            break
+    assert finding.position[0] > 3.5, "no start passes the wall"
+    other = found(where, simulator, west, "fell_out_of_world")
+    assert other.path is not None
+    left = np.array([-7.0, 0.0, 0.0])  # the last place near the nav-mesh
+    fall = Fall(Origin(-1, 0, 0, 0, 30), other.path.positions[-1], other.position, left)
+    surface = SurfaceIndex(where.navmesh.triangles, where.explore.expected_within_m)
+    finer = partial(MujocoSimulator, threads=1)
+    confirmer = Confirmer(where, simulator, surface, 0, finer, path_to=lambda fall: other.path)
+    (again,) = confirmer.confirm([replace(finding, others=(fall,))])
+    assert again.fragile != open_west
+    assert again.gating == open_west
+    assert np.allclose(again.position, other.position if open_west else finding.position)
+    assert again.confirmation is not None
+    assert again.confirmation.exact[0] == again.confirmation.exact[1]
+    assert again.confirmation.half_step[0] > 132  # its own edge first, in all ways
 
 
 def test_a_leap_that_turned_as_it_took_off_is_no_doing_of_the_time_step() -> None:
