@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from reachtest.errors import Problem
-from reachtest.levels.fields import nearest
+from reachtest.levels.fields import dotted, nearest, show
 from reachtest.levels.schema import LevelSpec
 
 
@@ -53,18 +53,6 @@ def _remedy(details: ErrorDetails, loc: Sequence[int | str]) -> str:
     message = message.replace("should", "must", 1).removesuffix(" after validation, not 0")
     meaning = _meaning(loc)
     return f"{message} ({meaning})" if meaning and details["type"] != "value_error" else message
-
-
-def dotted(loc: Sequence[int | str]) -> str:
-    """`("geometry", 0, "mesh")` as `geometry[0].mesh`."""
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
-    return text.removeprefix(".")
-
-
-def show(value: Any) -> str:
-    """A value as it stands in a message: on one line, and not too long."""
-    text = repr(value)
-    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def _keys(model: type[BaseModel]) -> list[str]:

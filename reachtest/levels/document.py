@@ -10,8 +10,8 @@ import yaml
 from pydantic import ValidationError
 
 from reachtest.errors import BadInput, Problem
-from reachtest.levels.complaints import complaints, show
-from reachtest.levels.fields import nearest
+from reachtest.levels.complaints import complaints
+from reachtest.levels.fields import nearest, show
 from reachtest.levels.schema import LevelSpec
 
 

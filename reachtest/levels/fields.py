@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Any
 
 from pydantic import (
@@ -34,6 +34,18 @@ def nearest(word: str, words: Iterable[str]) -> str:
     by_fold = {other.lower(): other for other in words}
     close = difflib.get_close_matches(word.lower(), list(by_fold), n=1, cutoff=0.5)
     return f"did you mean {by_fold[close[0]]!r}? " if close else ""
+
+
+def dotted(loc: Sequence[int | str]) -> str:
+    """`("geometry", 0, "mesh")` as `geometry[0].mesh`."""
+    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc)
+    return text.removeprefix(".")
+
+
+def show(value: Any) -> str:
+    """A value as it stands in a message: on one line, and not too long."""
+    text = repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 class OneOf:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
+from base64 import b64decode
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from reachtest.levels.scene import NavFile, Piece, Unreadable, read_scene
+from reachtest.levels.gltf_layout import FAN, Buffer, Document, Primitive, mistakes, parse
+from reachtest.levels.scene import NavFile, Piece, Unreadable, read_scene, several
 
 _UNCOMPRESSED = "export without compression, or run `gltf-transform cp` on it, which decompresses"
 GEOMETRY_EXTENSIONS = {
@@ -20,24 +21,25 @@ GEOMETRY_EXTENSIONS = {
 }
 """Extensions that hold geometry where the reader does not look, with the remedy."""
 
-_LINES_AND_POINTS, _FAN = (0, 1, 2, 3), 6  # glTF 2.0: mesh.primitive.mode
+_AGAIN = "the file is damaged or cut off: export it again"
 
 
 def read_glb(data: bytes, path: Path) -> list[Piece]:
     """The nodes of a binary glTF file."""
-    tree = _json_chunk(data)
-    _check(tree, path)
-    text = _for_trimesh(tree)
-    rest = data[20 + struct.unpack_from("<I", data, 12)[0] :]
-    head = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON")
-    return read_scene(head + text + rest, path, "glb", skip_materials=True)
+    text, body = _chunks(data)
+    tree = _json_object(text, start=20)
+    text = _for_trimesh(tree, _checked(tree, path, body))
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    if body is not None:
+        chunks += struct.pack("<I4s", len(body), b"BIN\0") + body
+    head = struct.pack("<4sII", b"glTF", 2, 12 + len(chunks))
+    return read_scene(head + chunks, path, "glb", skip_materials=True)
 
 
 def read_gltf(data: bytes, path: Path) -> list[Piece]:
     """The nodes of a glTF file, with the buffer files it names."""
     tree = _json_object(data)
-    _check(tree, path)
-    return read_scene(_for_trimesh(tree), path, "gltf", skip_materials=True)
+    return read_scene(_for_trimesh(tree, _checked(tree, path)), path, "gltf", skip_materials=True)
 
 
 def is_glb(data: bytes) -> bool:
@@ -60,8 +62,109 @@ def read_gltf_navmesh(data: bytes, path: Path) -> NavFile:
     return NavFile(read_gltf(data, path), "glTF")
 
 
-def _for_trimesh(tree: dict[str, Any]) -> bytes:
-    """The JSON without what trimesh stumbles over, padded to 4 bytes."""
+def external_files(data: bytes, path: Path) -> list[Path]:
+    """The buffer files that a glTF file names, in order."""
+    tree = _json_object(_chunks(data)[0]) if is_glb(data) else _json_object(data)
+    uris = (str(buffer.get("uri", "data:")) for buffer in tree.get("buffers", []))
+    return [_beside(path, uri) for uri in uris if not uri.startswith("data:")]
+
+
+def _beside(path: Path, uri: str) -> Path:
+    return path.parent / unquote(uri)
+
+
+def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
+    """The JSON of a GLB and its binary chunk: 12 bytes of header, then length, type and content of each."""
+    if not is_glb(data) or len(data) < 20:
+        raise Unreadable("does not start as a GLB file does", "export it as binary glTF")
+    version, total = struct.unpack_from("<4xII", data)
+    if version != 2:
+        raise Unreadable(f"is glTF version {version} at byte 4", "export it as glTF 2.0")
+    if len(data) < total:
+        found = f"is cut off: it has {len(data)} of the {total} bytes that its header states"
+        raise Unreadable(found, "export or copy it again")
+    found_chunks: dict[bytes, bytes] = {}
+    at = 12
+    while at + 8 <= total:
+        length, kind = struct.unpack_from("<I4s", data, at)
+        if length > total - at - 8:
+            found = f"has a chunk of {length:,} bytes at byte {at}, where {total - at - 8:,} bytes are left"
+            raise Unreadable(found, _AGAIN)
+        if at == 12 and kind != b"JSON":
+            raise Unreadable(f"has a first chunk of type {kind!r} at byte 16, not b'JSON'", _AGAIN)
+        found_chunks.setdefault(kind, data[at + 8 : at + 8 + length])
+        at += 8 + length
+    return found_chunks.get(b"JSON", b""), found_chunks.get(b"BIN\0")
+
+
+def _json_object(text: bytes, start: int = 0) -> dict[str, Any]:
+    """The JSON that lies from byte `start` of a file."""
+    try:
+        tree = json.loads(text)
+    except json.JSONDecodeError as error:
+        at = start + len(error.doc[: error.pos].encode())
+        raise Unreadable(
+            f"holds JSON that breaks off or goes wrong at byte {at}: {error.msg}", _AGAIN
+        ) from error
+    except UnicodeDecodeError as error:
+        raise Unreadable(f"holds JSON that is no text at byte {start + error.start}", _AGAIN) from error
+    except (RecursionError, ValueError) as error:
+        raise Unreadable(f"holds JSON that cannot be meant: {error}", _AGAIN) from error
+    if not isinstance(tree, dict):
+        raise Unreadable("does not hold a glTF document", "export it again")
+    return tree
+
+
+def _checked(tree: dict[str, Any], path: Path, body: bytes | None = None) -> Document:
+    """What the document says. Raises Unreadable for what trimesh would misread or fail at."""
+    document, wrong = parse(tree)
+    if document is None:
+        raise Unreadable(f"is no valid glTF: {several(wrong)}", _AGAIN)
+    for extension, remedy in GEOMETRY_EXTENSIONS.items():
+        if extension in {*document.extensionsUsed, *document.extensionsRequired}:
+            raise Unreadable(f"uses {extension}, which is not read", remedy)
+    if any(primitive.mode == FAN for _, primitive in document.triangles()):
+        raise Unreadable("holds triangle fans, which are not read", "export triangles")
+    for accessor in document.used().values():
+        if accessor.normalized or accessor.sparse is not None:
+            kind = "quantised" if accessor.normalized else "sparse"
+            remedy = "export without quantisation, or run `gltf-transform dequantize` on it"
+            raise Unreadable(f"holds {kind} positions, which are not read", remedy)
+    sizes = [_size(index, buffer, path, body) for index, buffer in enumerate(document.buffers)]
+    if wrong := mistakes(document, sizes):
+        raise Unreadable(f"is no valid glTF: {several(wrong)}", _AGAIN)
+    return document
+
+
+def _size(index: int, buffer: Buffer, path: Path, body: bytes | None) -> int:
+    """How many bytes there are of a buffer."""
+    if buffer.uri is None:
+        return len(body or b"") if index == 0 else 0
+    if not buffer.uri.startswith("data:"):
+        file = _beside(path, buffer.uri)
+        if not file.is_file():
+            found = f"names the buffer {file.name}, which does not exist"
+            raise Unreadable(found, "copy it next to the file")
+        return file.stat().st_size
+    _, base64, text = buffer.uri.partition("base64,")
+    try:
+        return len(b64decode(text, validate=True)) if base64 else 0
+    except ValueError as error:
+        raise Unreadable(f"has buffers[{index}] in base64 that is damaged: {error}", _AGAIN) from error
+
+
+def _for_trimesh(tree: dict[str, Any], document: Document) -> bytes:
+    """The JSON with the triangles and nothing that trimesh stumbles over, padded to 4 bytes."""
+    used = document.used()
+    views = {accessor.bufferView for accessor in used.values()}
+    for index, _ in enumerate(document.accessors):
+        if index not in used:  # it would make an array of each, read or not
+            tree["accessors"][index] = {"componentType": 5121, "count": 0, "type": "SCALAR"}
+    for index, _ in enumerate(document.bufferViews):
+        if index not in views:
+            tree["bufferViews"][index] = {"buffer": 0, "byteLength": 0}
+    for mesh, said in zip(tree.get("meshes", []), document.meshes, strict=True):
+        mesh["primitives"] = [_bare(primitive) for primitive in said.primitives if primitive.has_triangles]
     for buffer in tree.get("buffers", []):
         if "uri" in buffer and not buffer["uri"].startswith("data:"):
             buffer["uri"] = unquote(buffer["uri"])  # it looks for a file named "my%20level.bin"
@@ -71,54 +174,6 @@ def _for_trimesh(tree: dict[str, Any]) -> bytes:
     return text + b" " * (-len(text) % 4)
 
 
-def external_files(data: bytes, path: Path) -> list[Path]:
-    """The buffer files that a glTF file names, in order."""
-    tree = _json_chunk(data) if data[:4] == b"glTF" else _json_object(data)
-    uris = (str(buffer.get("uri", "data:")) for buffer in tree.get("buffers", []))
-    return [path.parent / unquote(uri) for uri in uris if not uri.startswith("data:")]
-
-
-def _json_chunk(data: bytes) -> dict[str, Any]:
-    """The JSON of a GLB: 12 bytes of header, then length, type and text of the first chunk."""
-    if data[:4] != b"glTF" or len(data) < 20:
-        raise Unreadable("does not start as a GLB file does", "export it as binary glTF")
-    total, length = struct.unpack_from("<8xII", data)
-    if len(data) < total:
-        found = f"is cut off: it has {len(data)} of the {total} bytes that its header states"
-        raise Unreadable(found, "export or copy it again")
-    return _json_object(data[20 : 20 + length])
-
-
-def _json_object(text: bytes) -> dict[str, Any]:
-    tree = json.loads(text)
-    if not isinstance(tree, dict):
-        raise Unreadable("does not hold a glTF document", "export it again")
-    return tree
-
-
-def _check(tree: dict[str, Any], path: Path) -> None:
-    used = {*tree.get("extensionsUsed", []), *tree.get("extensionsRequired", [])}
-    for extension, remedy in GEOMETRY_EXTENSIONS.items():
-        if extension in used:
-            raise Unreadable(f"uses {extension}, which is not read", remedy)
-    for file in external_files(json.dumps(tree).encode(), path):
-        if not file.is_file():
-            raise Unreadable(
-                f"names the buffer {file.name}, which does not exist", "copy it next to the file"
-            )
-    for accessor, mode in _positions(tree):
-        if mode == _FAN:
-            raise Unreadable("holds triangle fans, which are not read", "export triangles")
-        if accessor.get("normalized") or "sparse" in accessor:
-            kind = "quantised" if accessor.get("normalized") else "sparse"
-            remedy = "export without quantisation, or run `gltf-transform dequantize` on it"
-            raise Unreadable(f"holds {kind} positions, which are not read", remedy)
-
-
-def _positions(tree: dict[str, Any]) -> Iterator[tuple[dict[str, Any], int]]:
-    """The position accessor and the mode of every primitive that has triangles."""
-    for mesh in tree.get("meshes", []):
-        for primitive in mesh.get("primitives", []):
-            mode, index = primitive.get("mode", 4), primitive.get("attributes", {}).get("POSITION")
-            if mode not in _LINES_AND_POINTS and index is not None:
-                yield tree["accessors"][index], mode
+def _bare(primitive: Primitive) -> dict[str, Any]:
+    bare = {"attributes": {"POSITION": primitive.attributes["POSITION"]}, "mode": primitive.mode}
+    return bare if primitive.indices is None else {**bare, "indices": primitive.indices}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import warnings
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
 from pathlib import Path
@@ -13,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from reachtest.records import Floats, Ints, NavAgent, NavLink
+
+MOST_SHOWN = 5  # mistakes of one file: a damaged one has thousands
 
 
 @dataclass(frozen=True)
@@ -47,6 +50,12 @@ class Unreadable(Exception):
     def __init__(self, found: str, remedy: str) -> None:
         self.found, self.remedy = found, remedy
         super().__init__(found)
+
+
+def several(mistakes: Sequence[str]) -> str:
+    """All mistakes of a file in one sentence, or the first few and how many more there are."""
+    shown = "; ".join(mistakes[:MOST_SHOWN])
+    return shown + (f"; and {len(mistakes) - MOST_SHOWN:,} more" if len(mistakes) > MOST_SHOWN else "")
 
 
 def read_scene(data: bytes, path: Path, file_type: str, **options: Any) -> list[Piece]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 
 from reachtest.levels import MESH_READERS, NAVMESH_FORMATS, check_level, load_level
+from reachtest.levels.read_gltf import read_glb
+from reachtest.levels.scene import Unreadable
 from tests.unit.levels.make import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
 
 FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}
@@ -117,6 +120,76 @@ def test_quantised_positions_are_refused(write_level: WriteLevel) -> None:
     tree = gltf_tree()
     tree["accessors"][0].update(componentType=5122, normalized=True)
     assert "quantised positions" in only_problem(with_mesh(write_level, "a.glb", glb(tree)))[1]
+
+
+@pytest.mark.parametrize(
+    ("part", "index", "change", "words"),
+    [
+        ("accessors", 0, {"count": 300_000_000, "bufferView": None}, "accessors[0] has no bufferView"),
+        ("accessors", 1, {"count": 300_000_000, "bufferView": None}, "its count of 300,000,000"),
+        ("accessors", 0, {"count": 3_000}, "accessors[0] needs 36,000 bytes"),
+        ("accessors", 1, {"byteOffset": 4}, "accessors[1] needs 28 bytes"),
+        ("accessors", 1, {"count": 5}, "5 corners"),
+        ("accessors", 1, {"type": "VEC9"}, "accessors[1].type is 'VEC9'"),
+        ("accessors", 1, {"bufferView": 7}, "names bufferViews[7], and there are 2"),
+        ("bufferViews", 0, {"byteStride": 8}, "byteStride 8, less than the 12 bytes"),
+        ("bufferViews", 1, {"byteLength": 240}, "ends at byte 288 of buffers[0], which has 72"),
+        ("bufferViews", 1, {"buffer": 3}, "names buffers[3], and there are 1"),
+        ("nodes", 0, {"mesh": 4}, "nodes[0] names meshes[4], and there are 1"),
+        ("nodes", 0, {"matrix": [1.0]}, "nodes[0].matrix is [1.0]"),
+        ("scenes", 0, {"nodes": [9]}, "scenes[0] names nodes[9]"),
+    ],
+)
+def test_gltf_that_points_nowhere_is_refused_by_number_and_in_little_memory(
+    tmp_path: Path, part: str, index: int, change: dict[str, Any], words: str
+) -> None:
+    tree = gltf_tree()
+    entry = {**tree[part][index], **change}
+    tree[part][index] = {key: value for key, value in entry.items() if value is not None}
+    data = glb(tree)
+    tracemalloc.start()
+    try:
+        with pytest.raises(Unreadable) as raised:
+            read_glb(data, tmp_path / "a.glb")
+        assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    finally:
+        tracemalloc.stop()
+    assert words in raised.value.found
+
+
+def test_all_mistakes_of_a_gltf_at_once(write_level: WriteLevel) -> None:
+    tree = gltf_tree(nodes=5)
+    del tree["accessors"][1]["type"]
+    _, found, _ = only_problem(with_mesh(write_level, "a.glb", glb(tree)))
+    assert "nodes is 5" in found
+    assert "accessors[1].type is missing" in found
+
+
+def test_arrays_that_nobody_reads_cost_nothing_and_may_be_wrong(write_level: WriteLevel) -> None:
+    tree = gltf_tree()
+    tree["accessors"] += [{"componentType": 5126, "count": 300_000_000, "type": "VEC3"}]
+    tree["bufferViews"] += [{"buffer": 0, "byteOffset": 72, "byteLength": 1000}]
+    tree["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = 2
+    path = with_mesh(write_level, "a.glb", glb(tree), **Z_UP)
+    assert len(load_level(path).collision) == 14
+
+
+@pytest.mark.parametrize(
+    ("at", "byte", "words"),
+    [
+        (4, 1, "version 1 at byte 4"),
+        (12, 250, "has a chunk of"),
+        (16, 0, "at byte 16"),
+        (21, 0, "at byte 21"),
+        (24, 255, "at byte 24"),
+    ],
+)
+def test_damaged_glb_names_the_byte(write_level: WriteLevel, at: int, byte: int, words: str) -> None:
+    data = bytearray(glb())
+    data[at] = byte
+    if at == 12:
+        data[at + 1] = byte
+    assert words in only_problem(with_mesh(write_level, "a.glb", bytes(data)))[1]
 
 
 def test_buffer_file_that_is_not_there(write_level: WriteLevel) -> None:
