@@ -12,6 +12,7 @@ import numpy as np
 from reachtest.records import Bools, Floats, Ints
 
 _MAX_COLUMNS = 4_000_000  # keeps the dense column table of a 5 km level below 32 MB
+_MAX_MEMBERS = 1 << 25  # likewise of its entries, where many triangles span many columns: below 1 GB
 _PAIRS_AT_ONCE = 1 << 20  # bounds the memory of one vectorised pass to about 100 MB
 _SLIVER = 1e-12  # height over length: no plane at all
 
@@ -138,15 +139,24 @@ class Columns:
         low, high = flat.min(axis=1) - reach_m, flat.max(axis=1) + reach_m
         self._low = low.min(axis=0) if len(flat) else np.zeros(2)
         extent = high.max(axis=0) - self._low if len(flat) else np.zeros(2)
-        self._per_m = 1.0 / max(cell_m, float(np.sqrt(extent.prod() / _MAX_COLUMNS)))
-        self._shape = self._place(extent + self._low).astype(np.int64) + 1
-        first = self._place(low).astype(np.int64)
-        span = self._place(high).astype(np.int64) - first + 1
+        # Along one axis the grid may be a single cell: then the other one alone must not be too long.
+        cell_m = max(cell_m, float(np.sqrt(extent.prod() / _MAX_COLUMNS)), float(extent.max()) / _MAX_COLUMNS)
+        first, span = self._grid(low, high, extent, cell_m)
+        while span.prod(axis=1).sum() > _MAX_MEMBERS + 4 * len(flat):
+            cell_m *= 2
+            first, span = self._grid(low, high, extent, cell_m)
         row, place = expand(span.prod(axis=1))
         key = (first[row, 0] + place // span[row, 1]) * self._shape[1] + first[row, 1] + place % span[row, 1]
         order = np.argsort(key, kind="stable")
         self._members = row[order].astype(np.int32)
         self._start = np.searchsorted(key[order], np.arange(self._shape.prod() + 1))
+
+    def _grid(self, low: Floats, high: Floats, extent: Floats, cell_m: float) -> tuple[Ints, Ints]:
+        """Lay the grid in cells of `cell_m`: the first cell of every triangle [F, 2], and how many it spans [F, 2]."""
+        self._per_m = 1.0 / cell_m
+        self._shape = self._place(extent + self._low).astype(np.int64) + 1
+        first = self._place(low).astype(np.int64)
+        return first, self._place(high).astype(np.int64) - first + 1
 
     def near(self, points: Floats) -> tuple[Ints, Ints]:
         """The pairs of a point [n, 3] and a triangle in its cell: rows, triangles."""

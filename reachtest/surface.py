@@ -152,11 +152,18 @@ def _piece_radius(triangles: Floats, limit_m: float) -> float:
 
 
 def _cut(triangles: Floats, radius_m: float) -> tuple[Floats, Ints]:
-    """Halves triangles [F, 3, 3] at their longest edges until none is wider; the pieces, and whose they are."""
+    """Halves triangles [F, 3, 3] at their longest edges until none is wider; the pieces, and whose they are.
+
+    A sliver comes apart into three halves of its length at a time, many more pieces than its area and length say:
+    where there would be too many they stay wider, which is slower but no less exact.
+    """
+    most = 4 * (_MOST_PIECES + len(triangles))
     done: list[tuple[Floats, Ints]] = []
     wide, owner = triangles, np.arange(len(triangles))
     while len(wide):
         narrow = _centres(wide)[1] <= radius_m
+        if sum(len(some) for some, _ in done) + 2 * len(wide) > most:
+            narrow[:] = True
         done.append((wide[narrow], owner[narrow]))
         wide, owner = wide[~narrow], np.repeat(owner[~narrow], 2)
         rows = np.arange(len(wide))

@@ -156,4 +156,5 @@ def _slips(level: Level) -> list[_Slip]:
 def _scaled(now_m: float, factor: float, scale: float) -> _Slip:
     unit = unit_name(now_m * factor)
     keys = (f"navmesh.units: {unit}",) + (("navmesh.scale: 1",) if scale != 1 else ())
-    return _Slip(np.eye(3) * factor, (_UNIT_WORDS.get(unit, f"units of {unit} m"),), keys)
+    words = f"{_UNIT_WORDS.get(unit, f'units of {unit} m')} (scale {factor:.4g})"
+    return _Slip(np.eye(3) * factor, (words,), keys)

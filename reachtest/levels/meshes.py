@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
-from reachtest.levels.fields import nearest
+from reachtest.levels.fields import FARTHEST, nearest
 from reachtest.levels.frames import make_frame
 from reachtest.levels.read_gltf import external_files, read_glb, read_gltf
 from reachtest.levels.read_mjcf import read_mjcf
@@ -174,13 +174,15 @@ def _defects(pieces: list[Piece], file: str) -> list[tuple[str, str]]:
         )
     for piece in pieces:
         count = len(piece.vertices)
-        bad = ~np.isfinite(piece.vertices).all(axis=1)
+        bad = ~(np.abs(piece.vertices) <= FARTHEST).all(axis=1)  # also NaN
         if bad.any():
-            text = f"{file}: {bad.sum()} of {count} vertices of {piece.name!r} are NaN or infinite"
+            first = int(np.argmax(bad))
+            text = f"{file}: {bad.sum()} of {count} vertices of {piece.name!r} are NaN, infinite or beyond {FARTHEST:g}"
+            place = ", ".join(f"{value:g}" for value in piece.vertices[first])
             remedy = (
                 "repair the mesh (in Blender: Mesh > Clean Up) or its node's transform, and export it again"
             )
-            found.append((f"{text}, the first is vertex {int(np.argmax(bad))}", remedy))
+            found.append((f"{text}, the first is vertex {first} at ({place})", remedy))
         out = ((piece.faces < 0) | (piece.faces >= count)).any(axis=1)
         if out.any():
             first = int(np.argmax(out))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import trimesh
@@ -134,6 +136,23 @@ def test_points_just_within_the_limit_are_found_and_just_beyond_are_not(seed, li
         assert (index.within(points) == found).all()
 
 
+def test_slivers_of_a_thousand_kilometres_take_few_pieces_and_distances_stay_exact() -> None:
+    rng = np.random.default_rng(5)
+    slivers = np.array(
+        [[[0.0, 0, 0], [1e7, 1e7, 1.0], [1e7, 1e7, 1.1]], [[0, 5, 0], [-1e7, 5, 0], [0, 5.01, 0]]]
+    )
+    triangles = np.concatenate([soup(rng, 50), slivers])
+    points = rng.uniform(-20, 20, (300, 3))
+    tracemalloc.start()
+    distance = SurfaceIndex(triangles, 3.0).distance(points)
+    assert tracemalloc.get_traced_memory()[1] < 1_500_000_000
+    tracemalloc.stop()
+    near = brute_distance(points, triangles)
+    close = np.isfinite(distance)
+    np.testing.assert_array_equal(close, near <= 3.0)
+    np.testing.assert_allclose(distance[close], near[close], rtol=1e-9)
+
+
 def test_surface_distance_does_not_depend_on_who_else_is_asked_for() -> None:
     rng = np.random.default_rng(8)
     index = SurfaceIndex(soup(rng, 60), 3.0)
@@ -236,6 +255,17 @@ def test_slope_is_that_of_the_surface_found() -> None:
     assert [float(a[0]) for a in index.highest(middle, 2.0, 1.0)] == pytest.approx([0, 1])
     assert [float(a[0]) for a in index.highest(middle, 2.0, 5.0)] == pytest.approx([3, np.sqrt(0.5)])
     assert np.isnan(index.highest(middle, -0.5, 1.5)[0][0])  # only from half a metre above the point on
+
+
+@pytest.mark.parametrize("far", [[1e12, 0.5, 0], [1e7, 1e7, 0], [0.5, 1e12, 0]])
+def test_columns_over_a_very_long_or_wide_level_take_little_memory(far: list[float]) -> None:
+    floor = np.array([[-1.0, -1, 0], [1, -1, 0], [0, 1, 0]])
+    triangles = np.stack([floor, [[0, 0, 9], [0.5, 0, 9], far]] + [[[0, 0, 8], [0, 0.5, 8], far]] * 20)
+    tracemalloc.start()
+    found, _ = ColumnIndex(triangles, min_normal_z=0.0).highest(np.zeros((1, 3)), 0.1, 0.1)
+    assert tracemalloc.get_traced_memory()[1] < 3_000_000_000
+    tracemalloc.stop()
+    assert found == 0.0
 
 
 def test_no_hole_along_shared_edges() -> None:

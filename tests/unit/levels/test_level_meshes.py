@@ -76,7 +76,18 @@ def test_vertices_that_are_no_numbers(write_level: WriteLevel, bad: float) -> No
     vertices = QUAD.copy()
     vertices[2:, 1] = bad
     _, found, _ = only_problem(with_mesh(write_level, "a.glb", glb(vertices=vertices)))
-    assert "a.glb: 2 of 4 vertices of 'ground' are NaN or infinite, the first is vertex 2" in found
+    assert (
+        "a.glb: 2 of 4 vertices of 'ground' are NaN, infinite or beyond 1e+07, the first is vertex 2 at"
+        in found
+    )
+
+
+@pytest.mark.parametrize("keys", [{"translation": [1.1e7, 0, 0]}, {"scale": [1e30, 1, 1]}])
+def test_places_beyond_all_levels_are_refused_after_the_node_s_transform(
+    write_level: WriteLevel, keys: dict[str, Any]
+) -> None:
+    data = glb(gltf_tree(nodes=[{"name": "ground", "mesh": 0, **keys}]))
+    assert "a.glb: 4 of 4 vertices of 'ground' are" in only_problem(with_mesh(write_level, "a.glb", data))[1]
 
 
 def test_faces_out_of_range_glb(write_level: WriteLevel) -> None:

@@ -108,9 +108,13 @@ def test_navmesh_in_place(write_level: WriteLevel) -> None:
 @pytest.mark.parametrize(
     ("transform", "keys", "words"),
     [
-        (lambda x, y, z: (100 * x, 100 * y, 100 * z), {}, ["centimetres", "navmesh.units: cm"]),
-        (lambda x, y, z: (x, y, z), {"units": "cm"}, ["metres", "navmesh.units: m"]),
-        (lambda x, y, z: (x / 0.0254, y / 0.0254, z / 0.0254), {}, ["inches", "navmesh.units: in"]),
+        (lambda x, y, z: (100 * x, 100 * y, 100 * z), {}, ["centimetres (scale 0.01)", "navmesh.units: cm"]),
+        (lambda x, y, z: (x, y, z), {"units": "cm"}, ["metres (scale 100)", "navmesh.units: m"]),
+        (
+            lambda x, y, z: (x / 0.0254, y / 0.0254, z / 0.0254),
+            {},
+            ["inches (scale 0.0254)", "navmesh.units: in"],
+        ),
         (lambda x, y, z: (x, y, z), {"scale": 100}, ["metres", "navmesh.units: m", "navmesh.scale: 1"]),
         (lambda x, y, z: (x, z, -y), {}, ["y up", "navmesh.up_axis: y"]),
         (lambda x, y, z: (x, y, z), {"up_axis": "y"}, ["z up", "navmesh.up_axis: z"]),
