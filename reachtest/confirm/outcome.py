@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from reachtest.confirm.pursuit import Route
 from reachtest.confirm.shortcut import over_navmesh
@@ -16,6 +18,8 @@ from reachtest.records import Bools, Finding, Floats, Level
 SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a width, and one jumps into it
 ON_MESH_M = 0.5  # "expected" reaches through walls: who went through one has to do it again
 SLACK_M = 1.0  # around the box of a finding
+IN_POCKET_M = 0.5  # of where somebody stood: less than any pit is deep, more than a landing sinks in
+REST_M = 0.02  # moved less than this in each of two steps: wedged in, it need not stand to be held
 PLACES_AT_ONCE = 32  # measured against the nav-mesh: about as dear as one
 
 
@@ -29,6 +33,13 @@ class Outcome:
     low: Floats  # [3]
     high: Floats  # [3]
     exit_point: Floats | None  # [3]
+    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood in it
+
+    @cached_property
+    def near(self) -> cKDTree:
+        """Finds the nearest of `standing`."""
+        assert self.standing is not None
+        return cKDTree(self.standing)
 
 
 class Judge:
@@ -54,8 +65,8 @@ class Judge:
         elif finding.kind == "forbidden_zone":
             around = (name for name in self._zones if self._in_zone(name, here)[0])
             target = next(around, None)
-        exit_point = finding.exit_point
-        return Outcome(finding.kind, target, finding.position, finding.low, finding.high, exit_point)
+        low, high, exit_point = finding.low, finding.high, finding.exit_point
+        return Outcome(finding.kind, target, finding.position, low, high, exit_point, finding.standing)
 
     def step(self, outcome: Outcome, trial: Trial, since: int = 0) -> int | None:
         """The first step from `since` on at which `trial` came to `outcome`; None if it did not."""
@@ -74,6 +85,8 @@ class Judge:
             return self._in_solid(outcome.target, positions)
         if outcome.kind == "forbidden_zone":
             return self._in_zone(outcome.target, positions)
+        if outcome.standing is not None:
+            return _in_pocket(outcome, trial)[since:]
         stood = trial.stood[since:]
         shown = ((stood >= outcome.low - SLACK_M) & (stood <= outcome.high + SLACK_M)).all(axis=1)
         if outcome.kind == "unexpected_area" and shown.any():
@@ -117,3 +130,28 @@ class Judge:
             return np.zeros(len(positions), dtype=np.bool_)
         zone = self._zones[name]
         return np.asarray(((positions >= zone.low) & (positions <= zone.high)).all(axis=1), dtype=np.bool_)
+
+
+def _in_pocket(outcome: Outcome, trial: Trial) -> Bools:
+    """Where [t] the character stood or lay in a pocket; nowhere if it was out of it again in the end.
+
+    By places and not by their box: that of a slanting pit holds its rim.
+    """
+    assert outcome.standing is not None
+    footings = _footings(trial)
+    inside = np.zeros(len(trial), dtype=np.bool_)
+    held = np.flatnonzero(np.isfinite(footings[:, 0]))
+    if len(held):
+        low, high = outcome.standing.min(axis=0) - IN_POCKET_M, outcome.standing.max(axis=0) + IN_POCKET_M
+        last = footings[held[-1]]
+        if ((last >= low) & (last <= high)).all():
+            inside[held] = outcome.near.query(footings[held])[0] <= IN_POCKET_M
+    return inside
+
+
+def _footings(trial: Trial) -> Floats:
+    """Where [t, 3] the character stood, or lay still, in each step; NaN where it did neither."""
+    moved = np.linalg.norm(np.diff(trial.positions, axis=0, prepend=trial.start[None, :3]), axis=1)
+    still = moved < REST_M
+    still[1:] &= still[:-1].copy()
+    return np.where(np.isfinite(trial.stood), trial.stood, np.where(still[:, None], trial.positions, np.nan))

@@ -224,7 +224,7 @@ class Prober:
             origin = points.origin(origin.parent)
         position = self._replayer.states_at([origin])[0, :3]
         return Pocket(
-            cells=graph.places[region.rows],
+            cells=graph.places[region.core],  # not the rim that one only slides over
             points=np.flatnonzero(inside & points.grounded),
             arrival=Fall(origin, position, graph.places[arrival], np.full(3, np.nan)),
             stuck=region.stuck,

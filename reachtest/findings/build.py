@@ -35,6 +35,7 @@ class Cluster:
     title: str = ""  # where the kind's own title does not say it
     count: int | None = None  # of whatever was found, where it is not the points or places
     never_gates: bool = False  # for information, whatever `fail_on` says
+    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood in it
     position: Floats | None = None  # [3] what to look at, where no evidence says it better
 
 
@@ -72,6 +73,7 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
         suppressed_by=None,
         exits=None if cluster.exits is None else thin_out(cluster.exits),
         details=cluster.details,
+        standing=cluster.standing,
         others=_spread(cluster.falls, sight.position),
     )
 

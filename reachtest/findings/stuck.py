@@ -3,6 +3,8 @@ lead back to a spawn."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from reachtest.findings.build import Cluster
 from reachtest.findings.evidence import Evidence
 from reachtest.records import Pocket
@@ -10,7 +12,7 @@ from reachtest.records import Pocket
 
 def stuck_places(evidence: Evidence) -> list[Cluster]:
     """Pockets of a few metres that no attempt left."""
-    return [_cluster("stuck", pocket) for pocket in evidence.exploration.pockets if pocket.stuck]
+    return [_cluster("stuck", pocket, evidence) for pocket in evidence.exploration.pockets if pocket.stuck]
 
 
 def no_returns(evidence: Evidence) -> list[Cluster]:
@@ -20,19 +22,21 @@ def no_returns(evidence: Evidence) -> list[Cluster]:
     """
     expected = evidence.exploration.points.expected
     return [
-        _cluster("no_return", pocket)
+        _cluster("no_return", pocket, evidence)
         for pocket in evidence.exploration.pockets
         if not pocket.stuck and (not len(pocket.points) or expected[pocket.points].any())
     ]
 
 
-def _cluster(kind: str, pocket: Pocket) -> Cluster:
+def _cluster(kind: str, pocket: Pocket, evidence: Evidence) -> Cluster:
+    cached = evidence.exploration.points.positions[pocket.points]
     return Cluster(
         kind=kind,
         label="",
         points=pocket.points,
         falls=() if len(pocket.points) else (pocket.arrival,),
         places=pocket.cells,
+        standing=np.concatenate([pocket.cells, cached]),
         details=_details(pocket),
         count=len(pocket.cells),
     )

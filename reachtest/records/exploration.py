@@ -132,7 +132,7 @@ class RoundRecord:
 class Pocket:
     """A region from which nothing found leads back to a spawn, after directed attempts to return."""
 
-    cells: Floats  # [n, 3] a standing place in every cell of it
+    cells: Floats  # [n, 3] a standing place in every cell of it that one ends up in: not of those on the way
     points: Ints  # [m] cached points in it
     arrival: Fall  # an episode that got into it, as if it fell: it need not have left a cached point there
     stuck: bool  # a few metres and no way out; else a larger region with no way back to a spawn's island

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reachtest.confirm.outcome import Judge, Outcome
+from reachtest.confirm.outcome import Judge
 from reachtest.confirm.shorten import pursuits
 from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
 from reachtest.confirm.variation import vary
@@ -98,12 +98,12 @@ def repeat(level: Level, state: State, findings: Sequence[KeptFinding], changed:
         told[finding.id] = _told(judge, finding, recording, trial, changed)
         if changed and not told[finding.id].passed:
             more = [trial, *_others(simulator, recording)]
-            told[finding.id] = _tried(judge, finding, more)
+            told[finding.id] = _tried(judge, finding, recording, more)
     return [told.get(finding.id, Repeated(finding, True, "no path to repeat")) for finding in findings]
 
 
 def _told(judge: Judge, finding: KeptFinding, recording: Recording, trial: Trial, changed: bool) -> Repeated:
-    came = judge.step(outcome_of(finding), trial) is not None
+    came = judge.step(outcome_of(finding, recording), trial) is not None
     same = np.array_equal(trial.positions, recording.positions)
     if changed:
         note = "still there, by the recorded actions" if came else "not reproduced"
@@ -128,8 +128,8 @@ def _others(simulator: Simulator, recording: Recording) -> list[Trial]:
     return run_lanes(simulator, [Lane(recording.state, plan, steps) for plan in plans])
 
 
-def _tried(judge: Judge, finding: KeptFinding, trials: Sequence[Trial]) -> Repeated:
-    outcome: Outcome = outcome_of(finding)
+def _tried(judge: Judge, finding: KeptFinding, recording: Recording, trials: Sequence[Trial]) -> Repeated:
+    outcome = outcome_of(finding, recording)
     steps = [judge.step(outcome, trial) for trial in trials]
     good = [i for i, step in enumerate(steps) if step is not None]
     shown = trials[good[0]] if good else trials[0]

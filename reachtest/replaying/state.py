@@ -35,6 +35,7 @@ MAX_BYTES = 1 << 30  # unpacked: a file that claims more was not written by a ru
 MAX_ACTION = np.array([8, 1], dtype=np.int8)
 _REMEDY = "give the output folder of a finished 'reachtest run', or run it again"
 _ARRAYS = ("state", "actions", "positions")
+POCKETS = frozenset({"stuck", "no_return"})  # kinds that are told by `Recording.standing`
 # What zipfile, zlib and numpy raise for files that are cut off, damaged or something else.
 _UNREADABLE = (
     OSError,
@@ -105,6 +106,7 @@ class Recording:
     state: Floats  # [S] where it starts
     actions: NDArray[np.int8]  # [N, 2]
     positions: Floats  # [N, 3]
+    standing: Floats | None  # [k, 3] of a pocket: where somebody stood in it; older runs kept none
 
 
 @dataclass(frozen=True)
@@ -115,11 +117,12 @@ class State:
     recordings: dict[str, Recording]  # by the finding's id
 
 
-def outcome_of(finding: KeptFinding) -> Outcome:
+def outcome_of(finding: KeptFinding, recording: Recording) -> Outcome:
     """What would show the finding again."""
     exit_point = None if finding.exit_point is None else np.array(finding.exit_point)
     low, high = np.array(finding.low), np.array(finding.high)
-    return Outcome(finding.kind, finding.target, np.array(finding.position), low, high, exit_point)
+    place, standing = np.array(finding.position), recording.standing
+    return Outcome(finding.kind, finding.target, place, low, high, exit_point, standing)
 
 
 def write_state(
@@ -127,14 +130,16 @@ def write_state(
 ) -> Path:
     """Write the state of a run with `simulator` into its output folder. Raises OSError."""
     arrays: dict[str, NDArray[np.generic]] = {}
-    kept = []
+    kept: list[KeptFinding] = []
     for finding in findings:
         path, number = finding.path, None
         if path is not None and path.state is not None and path.actions is not None:
-            number = len(arrays) // len(_ARRAYS)
+            number = sum(earlier.arrays is not None for earlier in kept)
             arrays[f"state{number}"] = path.state
             arrays[f"actions{number}"] = path.actions
             arrays[f"positions{number}"] = path.positions
+            if finding.standing is not None:
+                arrays[f"standing{number}"] = finding.standing
         kept.append(_kept_finding(finding, judge.outcome_of(finding), number))
     document = Kept(
         format=1,
@@ -209,10 +214,23 @@ def _recording(path: Path, arrays: dict[str, NDArray[np.generic]], finding: Kept
     types = state.dtype == np.float64 and actions.dtype == np.int8 and positions.dtype == np.float64
     if not (n and shapes and types and np.isfinite(state).all()):
         raise _bad(str(path), f"the path of {finding.id} is no path")
-    recording = Recording(state.astype(np.float64), actions.astype(np.int8), positions.astype(np.float64))
+    standing = arrays.get(f"standing{finding.arrays}") if finding.kind in POCKETS else None
+    if standing is not None and not _places(standing):
+        raise _bad(str(path), f"the places of {finding.id} are no places")
+    recording = Recording(
+        state.astype(np.float64),
+        actions.astype(np.int8),
+        positions.astype(np.float64),
+        None if standing is None else standing.astype(np.float64),
+    )
     if (recording.actions < 0).any() or (recording.actions > MAX_ACTION).any():
         raise _bad(str(path), f"the path of {finding.id} has actions that do not exist")
     return recording
+
+
+def _places(array: NDArray[np.generic]) -> bool:
+    shape = array.ndim == 2 and len(array) > 0 and array.shape[1] == 3
+    return shape and array.dtype == np.float64 and bool(np.isfinite(array.astype(np.float64)).all())
 
 
 def _same_run(folder: Path, kept: Kept) -> None:

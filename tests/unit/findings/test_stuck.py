@@ -32,6 +32,7 @@ def test_a_pocket_is_one_finding_with_its_evidence() -> None:
     assert finding.position.tolist() == [2, 2, -3]
     assert finding.points == 2
     assert finding.path is not None
+    assert finding.standing.tolist() == [[2, 2, -3], [3, 2, -3], [2, 2, -3]]  # its cells and its cached point
     text = " ".join(finding.details)
     for fact in ("300 directed attempts", "20 min 0 s", "2.2 m", "8 m3"):
         assert fact in text
