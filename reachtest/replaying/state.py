@@ -13,22 +13,23 @@ import os
 import struct
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from reachtest import __version__
 from reachtest.confirm.outcome import Judge, Outcome
 from reachtest.errors import BadInput, Problem
 from reachtest.files import write_whole
 from reachtest.levels import named_files
-from reachtest.records import Finding, Floats, Level
+from reachtest.records import KINDS, Finding, Floats, Level
+from reachtest.world import SIMULATORS
 
 STATE_FILE = Path("state") / "findings.npz"
 MAX_BYTES = 1 << 30  # unpacked: a file that claims more was not written by a run
@@ -53,8 +54,18 @@ _UNREADABLE = (
 Point = tuple[float, float, float]
 
 
+def _one_of(names: Collection[str]) -> AfterValidator:
+    def check(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"this version knows {', '.join(names)}")
+        return name
+
+    return AfterValidator(check)
+
+
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)  # later versions may add keys
+    # Later versions may add keys.
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
 
 class KeptLevel(_Part):
@@ -71,7 +82,7 @@ class KeptFinding(_Part):
     """One finding, without its arrays."""
 
     id: str
-    kind: str
+    kind: Annotated[str, _one_of(KINDS)]
     severity: str
     gating: bool
     fragile: bool
@@ -83,7 +94,7 @@ class KeptFinding(_Part):
     exit_point: Point | None
     nearest_named: str | None
     points: int
-    arrays: int | None  # their number; None: it has no path
+    arrays: int | None = Field(ge=0)  # their number; None: it has no path
 
 
 class Kept(_Part):
@@ -91,10 +102,10 @@ class Kept(_Part):
 
     format: Literal[1]
     tool_version: str
-    simulator: str
+    simulator: Annotated[str, _one_of(SIMULATORS)]
     mujoco: str
-    physics_hz: float
-    action_repeat: int
+    physics_hz: float = Field(ge=10, le=10_000)  # as a level file may have it
+    action_repeat: int = Field(ge=1, le=1000)
     level: KeptLevel
     findings: tuple[KeptFinding, ...]
 
@@ -167,9 +178,7 @@ def read_state(folder: Path) -> State:
         arrays = _unpack(path)
         kept = Kept.model_validate_json(arrays["meta"].tobytes())
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise _bad(str(path), f"is not of this version's format ({where}: {first['msg']})") from error
+        raise _bad(str(path), f"is not of this version's format ({_first(error)})") from error
     except _UNREADABLE as error:
         raise _bad(str(path), f"cannot be read, it is cut off or no replay state ({error})") from error
     recordings = {}
@@ -203,6 +212,13 @@ def _unpack(path: Path) -> dict[str, NDArray[np.generic]]:
         raise ValueError(f"it claims to unpack to {size:,} bytes")
     with np.load(path, allow_pickle=False) as stored:
         return {name: stored[name] for name in stored.files}
+
+
+def _first(error: ValidationError) -> str:
+    """Key, value and limit of the first mistake."""
+    first = error.errors()[0]
+    value = "" if first["type"] == "missing" else f" is {str(first['input'])[:40]!r}"
+    return f"{'.'.join(map(str, first['loc']))}{value}: {first['msg'].removeprefix('Value error, ')}"
 
 
 def _recording(path: Path, arrays: dict[str, NDArray[np.generic]], finding: KeptFinding) -> Recording:

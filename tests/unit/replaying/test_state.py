@@ -115,6 +115,11 @@ def test_a_file_with_a_flipped_byte_is_refused_or_the_same(folder) -> None:
     [
         ({"meta": {"format": 2}}, "format"),
         ({"meta": {"findings": "none"}}, "findings"),
+        ({"meta": {"simulator": "unity"}}, "simulator is 'unity': this version knows mujoco"),
+        ({"meta": {"physics_hz": 0}}, "physics_hz is '0'"),
+        ({"meta": {"physics_hz": float("nan")}}, "physics_hz"),
+        ({"meta": {"action_repeat": -3}}, "action_repeat is '-3'"),
+        ({"meta": {"action_repeat": 10**7}}, "action_repeat is '10000000'"),
         ({"actions0": None}, "missing"),
         ({"actions0": np.full((72, 2), 9, dtype=np.int8)}, "actions"),
         ({"actions0": np.zeros((71, 2), dtype=np.int8)}, "no path"),
@@ -126,6 +131,19 @@ def test_a_file_with_a_flipped_byte_is_refused_or_the_same(folder) -> None:
 def test_what_no_run_writes_is_refused(folder, changes, fact) -> None:
     rewritten(folder, **changes)
     assert fact in complaint(folder)
+
+
+def test_a_kind_of_finding_that_is_not_known_is_refused(folder) -> None:
+    (first, second) = read_state(folder).kept.model_dump(mode="json")["findings"]
+    rewritten(folder, {"findings": [first, second | {"kind": "teleported"}]})
+    assert "findings.1.kind is 'teleported'" in complaint(folder)
+
+
+@pytest.mark.parametrize("places", [np.zeros((0, 3)), np.full((2, 3), np.nan), np.zeros((2, 3), np.int8)])
+def test_places_of_a_pocket_that_are_none_are_refused(folder, places) -> None:
+    (first, _) = read_state(folder).kept.model_dump(mode="json")["findings"]
+    rewritten(folder, {"findings": [first | {"kind": "stuck"}]}, standing0=places)
+    assert "places of fell-5f2a91" in complaint(folder)
 
 
 def test_pickles_are_not_opened(folder) -> None:
