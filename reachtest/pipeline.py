@@ -91,7 +91,7 @@ def run(
     beside: dict[str, Any] = {}
     if known is not None:
         findings, outcome = apply_baseline(known, findings, options.today)
-        beside["baseline"] = outcome.section(enough)
+        beside["baseline"] = outcome.section(level.sha256, enough, exploration.risk)
     if options.audit:
         beside["audit"] = missed_ground(Evidence(level, exploration, replayer, survey))
     verdict = judge(level.gate, exploration, findings, survey.counts)

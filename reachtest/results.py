@@ -10,8 +10,10 @@ from typing import Any, TypeVar
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from reachtest.baseline.gone import Look
 from reachtest.baseline.place import Place
 from reachtest.errors import BadInput, Problem
+from reachtest.records import SATURATED_RISK
 
 Point = tuple[float, float, float]
 _REMEDY = "give the output folder of a finished 'reachtest run', or its report.json"
@@ -78,8 +80,20 @@ class _Run(_Part):
     agent_steps: int
 
 
+class _Recent(_Part):
+    share: float
+
+
 class _Risk(_Part):
     discovery_probability: float | None
+    recent: _Recent | None = None
+
+    @property
+    def highest(self) -> float | None:
+        """The bound, or what the latest episodes did find where that is more; None without an episode."""
+        if self.discovery_probability is None or self.recent is None:
+            return self.discovery_probability
+        return max(self.discovery_probability, self.recent.share)
 
 
 class ReportBefore(_Part):
@@ -99,6 +113,16 @@ class ReportBefore(_Part):
     def explored_enough(self) -> bool:
         """Whether the run could have passed but for its findings."""
         return self.verdict == "pass" if self.coverage.sufficient is None else self.coverage.sufficient
+
+    @property
+    def saturated(self) -> bool:
+        """Whether a longer run would hardly have reached more."""
+        risk = self.risk.highest
+        return risk is not None and risk <= SATURATED_RISK
+
+    def look(self, found: tuple[Place, ...], new: tuple[Place, ...]) -> Look:
+        """What the run can tell of bugs that are not among its findings: places of all, and of those unknown so far."""
+        return Look(self.level.sha256, self.explored_enough, self.risk.highest, found, new)
 
 
 class CoverageBefore(_Part):

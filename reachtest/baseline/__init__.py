@@ -2,6 +2,7 @@
 
 from reachtest.baseline.apply import Outcome, apply_baseline
 from reachtest.baseline.document import Baseline, Entry, read_baseline
+from reachtest.baseline.gone import Look
 from reachtest.baseline.place import Place, match
 
-__all__ = ["Baseline", "Entry", "Outcome", "Place", "apply_baseline", "match", "read_baseline"]
+__all__ = ["Baseline", "Entry", "Look", "Outcome", "Place", "apply_baseline", "match", "read_baseline"]

@@ -9,11 +9,9 @@ from datetime import date
 from typing import Any
 
 from reachtest.baseline.document import Baseline, Entry
+from reachtest.baseline.gone import Look, new_ones
 from reachtest.baseline.place import Place, match
 from reachtest.records import Finding
-
-# Their absence is no question of luck: the place was reached.
-_PROVEN = frozenset({"unreached_area", "required_unreached"})
 
 
 @dataclass(frozen=True)
@@ -25,21 +23,24 @@ class Outcome:
     known: tuple[tuple[str, Entry], ...]  # (id of the finding, the entry that keeps it from gating)
     expired: tuple[tuple[str, Entry], ...]  # (id of the finding, the entry that does so no longer)
     absent: tuple[Entry, ...]  # entries without a finding
+    found: tuple[Place, ...]  # of every finding
+    new: tuple[Place, ...]  # of those without an entry
 
-    def section(self, explored_enough: bool) -> dict[str, Any]:
-        """`baseline` of report.json.
-
-        An absent bug is `fixed` if the run explored enough for a pass (or the bug was that a place was not reached,
-        and it was); else it is `not_seen`.
-        """
-        gone = [(entry, explored_enough or entry.kind in _PROVEN) for entry in self.absent]
+    def section(self, sha256: str, enough: bool, risk: float) -> dict[str, Any]:
+        """`baseline` of report.json, for a run of the level of that `sha256`: see `Look`."""
+        look = Look(sha256, enough, risk, self.found, self.new)
+        worse = [(entry, look.worse(entry.place)) for entry in self.absent]
+        absent = [
+            (entry, look.doubt(entry.place, entry.level_sha256)) for entry, fall in worse if fall is None
+        ]
         return {
             "file": self.baseline.file,
             "date": self.today.isoformat(),
             "known": [_told(entry, finding) for finding, entry in self.known],
             "expired": [_told(entry, finding) for finding, entry in self.expired],
-            "fixed": [_told(entry) for entry, sure in gone if sure],
-            "not_seen": [_told(entry) for entry, sure in gone if not sure],
+            "worse": [_told(entry, fall.id) for entry, fall in worse if fall is not None],
+            "fixed": [_told(entry) for entry, doubt in absent if not doubt],
+            "not_seen": [{**_told(entry), "doubt": doubt} for entry, doubt in absent if doubt],
         }
 
 
@@ -70,6 +71,8 @@ def apply_baseline(
         ),
         absent=tuple(entry for i, entry in enumerate(in_force) if i not in by)
         + tuple(entry for j, entry in enumerate(expired) if j not in formerly),
+        found=tuple(places),
+        new=new_ones(places, [formerly[n] if i is None else i for n, i in enumerate(by)]),
     )
     return tuple(sorted(marked, key=lambda finding: not finding.gating)), outcome
 
@@ -83,6 +86,7 @@ def _told(entry: Entry, finding: str | None = None) -> dict[str, Any]:
         "id": entry.id,
         "kind": entry.kind,
         "title": entry.title,
+        "position": list(entry.position),
         "reason": entry.reason,
         "author": entry.author,
         "expires": entry.expires.isoformat() if entry.expires else None,

@@ -57,6 +57,7 @@ class Entry(_Spec):
     reason: Text
     author: Text
     added: Day
+    level_sha256: str | None = Field(None, description="Of the level that it was seen in, as in report.json.")
     expires: Day | None = Field(None, description="The last day on which it does not gate; null: for good.")
 
     def in_force(self, today: date) -> bool:

@@ -8,6 +8,7 @@ from datetime import date
 from pathlib import Path
 
 from reachtest.baseline.document import Document, Entry, dump, items, parse
+from reachtest.baseline.gone import new_ones
 from reachtest.baseline.place import match
 from reachtest.errors import BadInput, Problem
 from reachtest.files import write_whole
@@ -38,8 +39,8 @@ def update_baseline(
 ) -> Update:
     """Add to `file` the gating findings of a run that no entry in force accounts for, or those named in `only`.
 
-    Entries that are there stay as they are, comments and all. `prune` removes those that expired and, if the run
-    explored enough to tell, those without a finding; comments are lost then. Raises BadInput.
+    Entries that are there stay as they are, comments and all. `prune` removes those that expired and those that
+    the run shows to be fixed; comments are lost then. Raises BadInput.
     """
     level = result.report.level.name
     text = _text(file)
@@ -47,7 +48,7 @@ def update_baseline(
     if document.level != level:
         found = f"holds the known bugs of level {document.level!r}, the run was of {level!r}"
         raise BadInput([Problem(f"{file}: level", found, "give another --file for this level")])
-    added = _added(document.entries, _chosen(result, only), note)
+    added = _added(document.entries, result, only, note)
     gone = _gone(document.entries, result, note.today) if prune else ()
     kept = tuple(entry for entry in document.entries if entry not in gone)
     if added or gone:
@@ -75,7 +76,8 @@ def _chosen(result: Result, only: Sequence[str]) -> list[FoundBefore]:
     return [finding for finding in findings if finding.id in only]
 
 
-def _added(entries: Sequence[Entry], findings: Sequence[FoundBefore], note: Note) -> tuple[Entry, ...]:
+def _added(entries: Sequence[Entry], result: Result, only: Sequence[str], note: Note) -> tuple[Entry, ...]:
+    findings = _chosen(result, only)
     in_force = [entry.place for entry in entries if entry.in_force(note.today)]
     known = match([finding.place for finding in findings], in_force)
     fresh = [finding for finding, index in zip(findings, known, strict=True) if index is None]
@@ -87,11 +89,11 @@ def _added(entries: Sequence[Entry], findings: Sequence[FoundBefore], note: Note
             count += 1
             id_ = f"{finding.id}-{count}"
         taken.add(id_)
-        added.append(_entry(finding, id_, note))
+        added.append(_entry(finding, id_, note, result.report.level.sha256))
     return tuple(added)
 
 
-def _entry(finding: FoundBefore, id_: str, note: Note) -> Entry:
+def _entry(finding: FoundBefore, id_: str, note: Note, level_sha256: str) -> Entry:
     return Entry(
         id=id_,
         kind=finding.kind,
@@ -103,14 +105,23 @@ def _entry(finding: FoundBefore, id_: str, note: Note) -> Entry:
         reason=note.reason,
         author=note.author,
         added=note.today,
+        level_sha256=level_sha256,
         expires=note.expires,
     )
 
 
 def _gone(entries: Sequence[Entry], result: Result, today: date) -> tuple[Entry, ...]:
+    """The entries that expired, and those of bugs that the run shows to be fixed."""
+    places = tuple(finding.place for finding in result.report.findings)
     in_force = [entry for entry in entries if entry.in_force(today)]
-    seen = match([finding.place for finding in result.report.findings], [entry.place for entry in in_force])
-    fixed = [entry for i, entry in enumerate(in_force) if i not in seen and result.report.explored_enough]
+    seen = match(places, [entry.place for entry in in_force])
+    look = result.report.look(places, new_ones(places, seen))
+    absent = [entry for i, entry in enumerate(in_force) if i not in seen]
+    fixed = [
+        entry
+        for entry in absent
+        if look.worse(entry.place) is None and not look.doubt(entry.place, entry.level_sha256)
+    ]
     return tuple(entry for entry in entries if entry in fixed or not entry.in_force(today))
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from reachtest.baseline.gone import Look, new_ones
 from reachtest.baseline.place import match
 from reachtest.diffing.areas import Area, lost
 from reachtest.errors import EXIT_FAIL, EXIT_PASS, BadInput, Problem
-from reachtest.results import FoundBefore, ReportBefore, Result
+from reachtest.results import FoundBefore, Result
 
-SATURATED_PROBABILITY = 0.05  # below it, one more episode hardly finds a new place
+Pair = tuple[FoundBefore, FoundBefore]  # (old, new)
 
 
 @dataclass(frozen=True)
@@ -20,9 +22,10 @@ class Difference:
     new: Result
     notes: tuple[str, ...]  # what makes the runs less comparable
     appeared: tuple[FoundBefore, ...]
-    gone: tuple[FoundBefore, ...]
-    still: tuple[tuple[FoundBefore, FoundBefore], ...]  # (old, new)
-    surely_gone: bool  # the new run explored enough to call it fixed
+    worse: tuple[Pair, ...]  # the new one is among `appeared` too
+    fixed: tuple[FoundBefore, ...]
+    not_seen: tuple[tuple[FoundBefore, str], ...]  # and why it may be there all the same
+    still: tuple[Pair, ...]
     unreachable: tuple[Area, ...] | None  # None: one of the runs has no coverage.json
     reachable: tuple[Area, ...] | None
     may_be_chance: bool  # of the areas: not both runs were saturated
@@ -40,7 +43,10 @@ def compare(old: Result, new: Result) -> Difference:
         found = f"is a run of level {names[1]!r}, {old.name} one of {names[0]!r}"
         raise BadInput([Problem(new.name, found, "give two runs of one level")])
     before, after = old.report.findings, new.report.findings
-    seen = match([finding.place for finding in after], [finding.place for finding in before])
+    places = tuple(finding.place for finding in after)
+    seen = match(places, [finding.place for finding in before])
+    gone = [finding for i, finding in enumerate(before) if i not in seen]
+    worse, fixed, not_seen = _became(gone, old, new, new.report.look(places, new_ones(places, seen)))
     unreachable = reachable = None
     if old.coverage is not None and new.coverage is not None:
         spacing = max(result.report.config.explore.goal_spacing_m for result in (old, new))
@@ -51,19 +57,32 @@ def compare(old: Result, new: Result) -> Difference:
         new,
         tuple(_notes(old, new)),
         appeared=tuple(finding for finding, index in zip(after, seen, strict=True) if index is None),
-        gone=tuple(finding for i, finding in enumerate(before) if i not in seen),
+        worse=worse,
+        fixed=fixed,
+        not_seen=not_seen,
         still=tuple((before[i], finding) for finding, i in zip(after, seen, strict=True) if i is not None),
-        surely_gone=new.report.explored_enough,
         unreachable=unreachable,
         reachable=reachable,
-        may_be_chance=not (_saturated(old.report) and _saturated(new.report)),
+        may_be_chance=not (old.report.saturated and new.report.saturated),
     )
 
 
-def _saturated(report: ReportBefore) -> bool:
-    """Whether a longer run would hardly have reached more."""
-    chance = report.risk.discovery_probability
-    return chance is not None and chance <= SATURATED_PROBABILITY
+def _became(
+    gone: Sequence[FoundBefore], old: Result, new: Result, look: Look
+) -> tuple[tuple[Pair, ...], tuple[FoundBefore, ...], tuple[tuple[FoundBefore, str], ...]]:
+    """Which of the findings that are gone got worse, are fixed, or were only not seen."""
+    by_id = {finding.id: finding for finding in new.report.findings}
+    falls = [(finding, look.worse(finding.place)) for finding in gone]
+    doubts = [
+        (finding, look.doubt(finding.place, old.report.level.sha256))
+        for finding, fall in falls
+        if fall is None
+    ]
+    return (
+        tuple((finding, by_id[fall.id]) for finding, fall in falls if fall is not None),
+        tuple(finding for finding, doubt in doubts if not doubt),
+        tuple((finding, doubt) for finding, doubt in doubts if doubt),
+    )
 
 
 def _notes(old: Result, new: Result) -> list[str]:

@@ -39,7 +39,6 @@ def markdown(difference: Difference) -> str:
 
 def as_json(difference: Difference) -> str:
     """For programs."""
-    gone = "fixed" if difference.surely_gone else "not_seen"
     areas = None
     if difference.unreachable is not None and difference.reachable is not None:
         areas = {
@@ -54,10 +53,10 @@ def as_json(difference: Difference) -> str:
         "notes": list(difference.notes),
         "findings": {
             "new": [_finding(finding) for finding in difference.appeared],
-            "fixed": [],
-            "not_seen": [],
+            "worse": [{**_finding(new), "old_id": old.id} for old, new in difference.worse],
+            "fixed": [_finding(finding) for finding in difference.fixed],
+            "not_seen": [{**_finding(finding), "doubt": doubt} for finding, doubt in difference.not_seen],
             "still_there": [{**_finding(new), "old_id": old.id} for old, new in difference.still],
-            gone: [_finding(finding) for finding in difference.gone],
         },
         "areas": areas,
         "exit_code": difference.exit_code,
@@ -79,12 +78,14 @@ def _head(difference: Difference) -> list[str]:
 
 
 def _sections(difference: Difference) -> list[Section]:
-    gone = (
-        "Fixed" if difference.surely_gone else "Not seen (the new run explored too little to call it fixed)"
-    )
     sections = [
         ("New", [_found(finding) for finding in difference.appeared]),
-        (gone, [_found(finding) for finding in difference.gone]),
+        ("Got worse", [f"{_found(old)} is now {new.id}: {new.title}" for old, new in difference.worse]),
+        ("Fixed", [_found(finding) for finding in difference.fixed]),
+        (
+            "Not seen, but not shown to be fixed",
+            [f"{_found(finding)}: {doubt}" for finding, doubt in difference.not_seen],
+        ),
         ("Still there", [_found(finding) for _, finding in difference.still]),
     ]
     chance = ", may be chance" if difference.may_be_chance else ""
@@ -109,8 +110,11 @@ def _found(finding: FoundBefore) -> str:
 def _place(area: Area, difference: Difference) -> str:
     where = ", ".join(f"{value:.2f}" for value in _source(area.position, difference))
     sides = " x ".join(f"{side:.0f}" for side in (area.high - area.low).tolist())
+    counted = (("goal", area.goals), ("place", area.cells))
     mesh = "on the nav-mesh" if area.on_navmesh else "off the nav-mesh"
-    return f"{where}  ({mesh}, {area.goals} goals and {area.cells} places over {sides} m)"
+    counts = [f"{count:,} {noun}{'s' * (count != 1)}" for noun, count in counted if count]
+    size = f" over {sides} m" if (area.high - area.low).max() >= 0.5 else ""
+    return f"{where}  ({mesh}, {' and '.join(counts)}{size})"
 
 
 def _some(rows: list[str]) -> Iterable[str]:

@@ -11,6 +11,7 @@ from reachtest.records.arrays import (
     Ints,
 )
 from reachtest.records.exploration import (
+    SATURATED_RISK,
     Candidates,
     EndReason,
     Exploration,
@@ -55,6 +56,7 @@ from reachtest.records.settings import (
 __all__ = [
     "KINDS",
     "OUTWARDS",
+    "SATURATED_RISK",
     "SEVERITIES",
     "Bools",
     "Candidates",

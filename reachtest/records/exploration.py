@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from reachtest.records.arrays import Bools, Floats, Ints
 from reachtest.records.settings import ExploreSettings
 
+# At or below it one more episode hardly finds a new place, so that what was not seen is hardly there.
+SATURATED_RISK = 0.05
+
 
 class StopReason(enum.Enum):
     """Why the exploration ended, with the sentence for the report."""

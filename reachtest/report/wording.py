@@ -17,10 +17,15 @@ MAX_TEXT = 160  # characters of a name or title: a generated name can be longer 
 ONE_PLACE_M = 0.1  # a smaller box is no area
 
 
-def one_line(text: str) -> str:
-    """`text` made fit to print: no control characters or line breaks, no broken Unicode, not too long."""
+def sentence(text: str) -> str:
+    """`text` made fit to print: no control characters or line breaks, no broken Unicode."""
     printable = "".join(char if char.isprintable() else " " for char in text)
-    line = " ".join(printable.split())
+    return " ".join(printable.split())
+
+
+def one_line(text: str) -> str:
+    """A name or title made fit to print, and not too long."""
+    line = sentence(text)
     return line if len(line) <= MAX_TEXT else f"{line[: MAX_TEXT - 3]}..."
 
 
@@ -123,7 +128,7 @@ def why_known(report: Report, finding: Finding) -> str:
     for entry in section["known"]:
         if entry["finding"] == finding.id:
             until = f"until {entry['expires']}" if entry["expires"] else "for good"
-            return one_line(f"{entry['reason']} ({entry['author']}, {until})")
+            return f"{one_line(entry['reason'])} ({one_line(entry['author'])}, {until})"
     return why_not_gating(finding, report.level)
 
 
@@ -134,9 +139,19 @@ def known_bugs(report: Report) -> str:
         return ""
     told = [f"{len(section['known'])} seen"]
     told += [f"expired {e['expires']}, so it gates again: {e['finding']}" for e in section["expired"]]
-    told += [f"fixed: {e['id']}" for e in section["fixed"]]
-    told += [f"not seen, but the run was too short to call it fixed: {e['id']}" for e in section["not_seen"]]
+    told += [f"got worse: {_known_bug(report, e)}, now {one_line(e['finding'])}" for e in section["worse"]]
+    told += [f"fixed: {_known_bug(report, e)}" for e in section["fixed"]]
+    told += [
+        f"not seen, but not shown to be fixed ({e['doubt']}): {_known_bug(report, e)}"
+        for e in section["not_seen"]
+    ]
     return "; ".join(told)
+
+
+def _known_bug(report: Report, entry: dict[str, Any]) -> str:
+    """An entry of the file of known bugs: title, place and id."""
+    where = place(report.level, np.array(entry["position"]))
+    return f"{one_line(entry['title'] or kind_words(entry['kind']))} at {where} ({one_line(entry['id'])})"
 
 
 def missed_ground(report: Report) -> list[str] | None:

@@ -22,6 +22,13 @@ def test_what_is_written_is_what_is_read() -> None:
     assert parse(dump("null", ()), "").level == "null"
 
 
+def test_a_file_of_before_the_level_was_noted_is_read() -> None:
+    text = dump(LEVEL, [entry()])
+    older = "".join(line for line in text.splitlines(keepends=True) if "level_sha256" not in line)
+    assert older != text
+    assert parse(older, "").entries == (entry(level_sha256=None),)
+
+
 def problems(tmp_path, text) -> str:
     file = tmp_path / "known.yaml"
     file.write_text(text, encoding="utf-8")
@@ -50,7 +57,7 @@ GOOD = dump(LEVEL, [entry(expires=date(2031, 2, 28))])
         ("[4.0, 3.0, -10.0]", "[4.0, .nan, -10.0]", ["position"]),
         (GOOD, "[1, 2]", ["no mapping"]),
         (GOOD, "", ["no mapping"]),
-        (GOOD, GOOD[:-40], ["added"]),
+        (GOOD, GOOD[:-60], ["added"]),
     ],
 )
 def test_mistakes_are_told_with_their_place(tmp_path, old, new, facts) -> None:

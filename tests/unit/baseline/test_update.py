@@ -15,14 +15,14 @@ from reachtest.errors import BadInput
 from reachtest.records import Finding
 from reachtest.report.write import write_coverage, write_reports
 from reachtest.results import Result, read_result
-from tests.unit.report.make import FAIL, PASS, make_finding, make_report
+from tests.unit.report.make import FAIL, PASS, make_finding, make_level, make_report
 
 NOTE = Note("ticket 7", "Mia", date(2030, 5, 1), None)
 ELSEWHERE = make_finding(id="fell_out_of_world-aaaabbbb", exit_point=np.array([60.0, 0, 0]))
 
 
-def result(folder: Path, *findings: Finding, enough: bool = True) -> Result:
-    report = make_report(findings, FAIL if findings else PASS)
+def result(folder: Path, *findings: Finding, enough: bool = True, sha256: str = "ab" * 32) -> Result:
+    report = make_report(findings, FAIL if findings else PASS, level=make_level(sha256=sha256))
     report.document["coverage"]["sufficient"] = enough
     folder.mkdir(exist_ok=True)
     write_reports(report, folder)
@@ -83,12 +83,22 @@ def test_an_expired_bug_that_is_still_there_gets_a_new_entry(tmp_path) -> None:
 def test_prune_removes_what_is_fixed_if_the_run_could_tell(tmp_path) -> None:
     file = tmp_path / "known.yaml"
     update_baseline(file, result(tmp_path / "one", make_finding(), ELSEWHERE), NOTE)
-    unsure = result(tmp_path / "two", make_finding(), enough=False)
+    unsure = result(tmp_path / "two", make_finding(), enough=False, sha256="changed")
     assert not update_baseline(file, unsure, NOTE, prune=True).removed
-    sure = result(tmp_path / "three", make_finding())
+    unchanged = result(tmp_path / "same", make_finding())
+    assert not update_baseline(file, unchanged, NOTE, prune=True).removed
+    sure = result(tmp_path / "three", make_finding(), sha256="changed")
     assert [e.id for e in update_baseline(file, sure, NOTE, prune=True).removed] == [ELSEWHERE.id]
-    update_baseline(file, result(tmp_path / "four"), NOTE, prune=True)
+    update_baseline(file, result(tmp_path / "four", sha256="changed"), NOTE, prune=True)
     assert read_baseline(file, "hall").entries == ()
+
+
+def test_prune_keeps_what_got_worse(tmp_path) -> None:
+    file = tmp_path / "known.yaml"
+    stood = make_finding(kind="unexpected_area", id="stood")
+    update_baseline(file, result(tmp_path / "one", stood), NOTE)
+    done = update_baseline(file, result(tmp_path / "two", make_finding(), sha256="changed"), NOTE, prune=True)
+    assert ([e.id for e in done.added], done.removed) == ([make_finding().id], ())
 
 
 def test_a_file_of_another_level_is_left_alone(tmp_path) -> None:

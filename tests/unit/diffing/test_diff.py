@@ -12,10 +12,12 @@ import pytest
 
 from reachtest.diffing import RENDERERS, compare
 from reachtest.errors import BadInput
+from reachtest.records import RiskSample
 from reachtest.report.write import write_coverage, write_reports
 from reachtest.results import Result, read_result
 from tests.unit.report.make import FAIL, PASS, make_exploration, make_finding, make_level, make_report
 
+CHANGED = make_level(sha256="cd" * 32)
 KNOWN = make_finding()
 MOVED = replace(KNOWN, id="another id", exit_point=np.array([5.0, 2.5, 0]))
 OTHER = make_finding(id="other", title="Another hole | <b>", exit_point=np.array([60.0, 0, 0]))
@@ -50,8 +52,9 @@ def ids(document: Any) -> dict[str, list[str]]:
 
 
 def test_new_fixed_and_still_there_go_by_place_not_by_id(tmp_path) -> None:
-    document = told(run(tmp_path / "a", KNOWN, OTHER), run(tmp_path / "b", MOVED))
-    assert ids(document) == {"new": [], "fixed": ["other"], "not_seen": [], "still_there": ["another id"]}
+    document = told(run(tmp_path / "a", KNOWN, OTHER), run(tmp_path / "b", MOVED, level=CHANGED))
+    told_of = {"new": [], "worse": [], "fixed": ["other"], "not_seen": [], "still_there": ["another id"]}
+    assert ids(document) == told_of
     assert document["findings"]["still_there"][0]["old_id"] == KNOWN.id
     assert document["exit_code"] == 0
     back = told(read_result(tmp_path / "b"), read_result(tmp_path / "a"))
@@ -65,10 +68,37 @@ def test_a_new_finding_that_does_not_gate_fails_nothing(tmp_path) -> None:
     assert document["exit_code"] == 0
 
 
-def test_fixed_is_said_only_of_a_run_that_explored_enough(tmp_path) -> None:
-    document = told(run(tmp_path / "a", KNOWN), run(tmp_path / "b", enough=False))
+@pytest.mark.parametrize(
+    ("changes", "doubt"),
+    [
+        ({"level": CHANGED, "enough": False}, "too short"),
+        ({"level": CHANGED, "cells_once": 900}, "new places"),
+        ({}, "still the same"),
+    ],
+)
+def test_fixed_is_said_only_where_the_new_run_can_tell(tmp_path, changes, doubt) -> None:
+    old, new = run(tmp_path / "a", KNOWN), run(tmp_path / "b", **changes)
+    document = told(old, new)
     assert ids(document)["not_seen"] == [KNOWN.id]
     assert ids(document)["fixed"] == []
+    assert doubt in document["findings"]["not_seen"][0]["doubt"]
+    assert "Fixed (0)" in RENDERERS["text"](compare(old, new))
+
+
+def test_what_the_latest_episodes_found_counts_as_risk(tmp_path) -> None:
+    late = RiskSample(1_000, 500, 300, 1, 1, 410, 100, 77, 3, 4)
+    new = run(tmp_path / "b", level=CHANGED, cells_once=1, risk_curve=(late,))
+    assert ids(told(run(tmp_path / "a", KNOWN), new))["fixed"] == []
+
+
+def test_a_fall_where_somebody_only_stood_is_worse_and_new(tmp_path) -> None:
+    stood = replace(KNOWN, id="stood", kind="unexpected_area")
+    old, new = run(tmp_path / "a", stood), run(tmp_path / "b", KNOWN, level=CHANGED)
+    document = told(old, new)
+    assert [(f["id"], f["old_id"]) for f in document["findings"]["worse"]] == [(KNOWN.id, "stood")]
+    assert ids(document)["new"] == [KNOWN.id]
+    assert ids(document)["fixed"] == ids(document)["not_seen"] == []
+    assert "Got worse (1)" in RENDERERS["text"](compare(old, new))
 
 
 def test_areas_that_became_unreachable_and_reachable(tmp_path) -> None:
@@ -85,7 +115,14 @@ def test_areas_that_became_unreachable_and_reachable(tmp_path) -> None:
     assert won["position"][2] == 6
     text = RENDERERS["text"](compare(old, new))
     assert "Became unreachable, may be chance (1)" in text
-    assert "7 goals" in text
+    assert "(on the nav-mesh, 7 goals and 6 places over 24 x 0 x 0 m)" in text
+
+
+def test_one_lost_goal_is_told_in_the_singular_and_without_a_size(tmp_path) -> None:
+    everywhere = np.ones(len(GOALS), dtype=bool)
+    old = run(tmp_path / "a", reached=everywhere)
+    new = run(tmp_path / "b", reached=GOALS[:, 0] != 20, stood=[[20, 0, 0]])
+    assert "(on the nav-mesh, 1 goal)" in RENDERERS["text"](compare(old, new))
 
 
 def test_the_same_run_has_no_areas_and_chance_is_ruled_out_by_saturation(tmp_path) -> None:
