@@ -32,7 +32,8 @@ def replay(
 ) -> None:
     """Simulate what a run found again, on the level as it is now, and say pass or fail for each finding.
 
-    0 all of it came about again, 1 some did not, 2 bad input. Files are written of FINDING, or of the first one.
+    0 all that has a path came about again, 1 some did not, 2 bad input, 4 nothing has a path: only a run can tell.
+    Files are written of FINDING, or of the first one.
     """
     opengl = os.environ.pop("MUJOCO_GL", None)  # a broken one is no reason not to simulate
     from reachtest.replaying import repeat, show
@@ -47,14 +48,8 @@ def replay(
         print(f"changed since the run: {change}")
     results = repeat.repeat(now, state, chosen, bool(changed))
     for result in results:
-        verdict = "pass" if result.passed else "FAIL"
-        if result.positions is None:
-            print(f"-     {result.finding.id}: {result.note}")
-            continue
-        seconds = len(result.positions) * now.explore.action_repeat / now.explore.physics_hz
-        print(f"{verdict}  {result.finding.id}: {result.note}, {seconds:.1f} s; {result.finding.title}")
-    if not results:
-        print("the run found nothing")
+        print(show.line(now, result))
+    print(show.summary(results))
     shown = show.first_way(results) if path or mcap or video else None
     if path and shown:
         show.write_points(path, now, shown)
@@ -64,7 +59,15 @@ def replay(
         write_video(video, now, shown, opengl)
     for target in filter(None, (path, mcap, video)):
         print(f"{target}: {shown.finding.id if shown else ''}")
-    raise typer.Exit(0 if all(result.passed for result in results) else 1)
+    raise typer.Exit(_status([result.passed for result in results]))
+
+
+def _status(passed: list[bool | None]) -> int:
+    from reachtest.errors import EXIT_FAIL, EXIT_INCONCLUSIVE, EXIT_PASS
+
+    if False in passed:
+        return EXIT_FAIL
+    return EXIT_PASS if True in passed or not passed else EXIT_INCONCLUSIVE
 
 
 def _chosen(state: State, name: str | None) -> list[KeptFinding]:

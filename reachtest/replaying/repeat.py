@@ -19,7 +19,7 @@ from reachtest.interfaces import Simulator
 from reachtest.levels import load_level, named_files
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Floats, Level
-from reachtest.replaying.state import KeptFinding, Recording, State, digests, outcome_of, printable
+from reachtest.replaying.state import POCKETS, KeptFinding, Recording, State, digests, outcome_of, printable
 from reachtest.world import SIMULATORS
 
 ATTEMPTS = 32  # to get there on a changed level: acting on what is seen, and with other actions around
@@ -32,7 +32,7 @@ class Repeated:
     """What became of one finding."""
 
     finding: KeptFinding
-    passed: bool
+    passed: bool | None  # None: cannot be told without a run
     note: str  # how, or why not
     start: Floats | None = None  # [3]
     positions: Floats | None = None  # [N, 3] of what is shown: it came about, or else the recorded actions
@@ -82,10 +82,12 @@ def repeat(level: Level, state: State, findings: Sequence[KeptFinding], changed:
     """Simulate `findings` again, side by side."""
     judge = Judge(level, expected_surface(level))
     known = [
-        (finding, state.recordings[finding.id]) for finding in findings if finding.id in state.recordings
+        (finding, recording)
+        for finding in findings
+        if (recording := state.recordings.get(finding.id)) and _can_be_told(finding, recording)
     ]
     if not known:
-        return [Repeated(finding, True, "no path to repeat") for finding in findings]
+        return [_untold(level, finding, state) for finding in findings]
     simulator = SIMULATORS[state.kept.simulator](level, LANES, 0)
     size = len(simulator.place(np.zeros((1, 3)))[0])
     if any(len(recording.state) != size for _, recording in known):
@@ -99,17 +101,31 @@ def repeat(level: Level, state: State, findings: Sequence[KeptFinding], changed:
         if changed and not told[finding.id].passed:
             more = [trial, *_others(simulator, recording)]
             told[finding.id] = _tried(judge, finding, recording, more)
-    return [told.get(finding.id, Repeated(finding, True, "no path to repeat")) for finding in findings]
+    return [told.get(finding.id) or _untold(level, finding, state) for finding in findings]
+
+
+def _can_be_told(finding: KeptFinding, recording: Recording) -> bool:
+    return finding.kind not in POCKETS or recording.standing is not None
+
+
+def _untold(level: Level, finding: KeptFinding, state: State) -> Repeated:
+    why = "an older version kept no places of it" if finding.id in state.recordings else "no path to repeat"
+    return Repeated(finding, None, f"{why}, cannot be told without a run: reachtest run {level.file}")
 
 
 def _told(judge: Judge, finding: KeptFinding, recording: Recording, trial: Trial, changed: bool) -> Repeated:
     came = judge.step(outcome_of(finding, recording), trial) is not None
     same = np.array_equal(trial.positions, recording.positions)
     if changed:
-        note = "still there, by the recorded actions" if came else "not reproduced"
+        note = f"still there, by the recorded actions{_way_out(finding)}" if came else "not reproduced"
     else:
         note = "bit for bit" if came and same else "not reproduced" if not came else "not bit for bit"
     return Repeated(finding, came and (same or changed), note, trial.start[:3], trial.positions)
+
+
+def _way_out(finding: KeptFinding) -> str:
+    """What the way in does not tell of a pocket: somebody may have added stairs."""
+    return "; whether one gets out now is told by a run" if finding.kind in POCKETS else ""
 
 
 def _others(simulator: Simulator, recording: Recording) -> list[Trial]:
@@ -135,5 +151,6 @@ def _tried(judge: Judge, finding: KeptFinding, recording: Recording, trials: Seq
     shown = trials[good[0]] if good else trials[0]
     end = (steps[good[0]] or 0) + 1 if good else len(shown)
     count = f"{len(good)} of {len(trials)} attempts"
-    note = f"still there, by {count} around the recorded actions" if good else f"not there any more: {count}"
+    there = f"still there, by {count} around the recorded actions{_way_out(finding)}"
+    note = there if good else f"not there any more: {count}"
     return Repeated(finding, bool(good), note, shown.start[:3], shown.positions[:end])

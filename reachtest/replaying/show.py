@@ -16,6 +16,26 @@ from reachtest.replaying.repeat import Repeated
 _STEPS_A_RECORD = 8  # the log shows every step of rounds this short
 
 
+def line(level: Level, repeated: Repeated) -> str:
+    """What became of a finding, for people."""
+    finding = repeated.finding
+    if repeated.positions is None:
+        return f"-     {finding.id}: {repeated.note}; {finding.title}"
+    seconds = len(repeated.positions) * level.explore.action_repeat / level.explore.physics_hz
+    verdict = "pass" if repeated.passed else "FAIL"
+    return f"{verdict}  {finding.id}: {repeated.note}, {seconds:.1f} s; {finding.title}"
+
+
+def summary(results: Sequence[Repeated]) -> str:
+    """All of them in a line."""
+    if not results:
+        return "the run found nothing, so there is nothing to repeat"
+    passed = [result.passed for result in results]
+    untold = passed.count(None)
+    again = f"{passed.count(True)} of {len(passed)} came about again"
+    return f"{again}, {untold} cannot be told without a run" if untold else again
+
+
 def write_points(path: Path, level: Level, repeated: Repeated) -> None:
     """One "x y z" a line in the level's own axes and units: the leak file of the Quake compilers. Raises BadInput."""
     places = level.frame.to_source(way_of(repeated)) + 0.0  # + 0.0: no "-0"
@@ -100,6 +120,6 @@ def _finding(repeated: Repeated, duration_s: float) -> Finding:
         exit_point=None if kept.exit_point is None else np.array(kept.exit_point),
         nearest_named=kept.nearest_named,
         first_seen_step=None,
-        path=ReplayPath(repeated.start, (), repeated.positions, duration_s, 1, int(repeated.passed)),
+        path=ReplayPath(repeated.start, (), repeated.positions, duration_s, 1, int(bool(repeated.passed))),
         suppressed_by=None,
     )

@@ -141,6 +141,21 @@ def test_what_cannot_be_replayed_is_bad_input(folder, tmp_path) -> None:
     assert replay(folder).returncode == 2
 
 
+def test_a_finding_without_a_path_is_not_said_to_have_come_about(folder) -> None:
+    state = folder / "out" / "state" / "findings.npz"
+    with np.load(state) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    meta = json.loads(arrays["meta"].tobytes())
+    meta["findings"] = [finding | {"arrays": None} for finding in meta["findings"]]
+    arrays["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+    np.savez(state, **arrays)
+    done = replay(folder)
+    assert done.returncode == 4, done.stderr
+    assert f"cannot be told without a run: reachtest run {folder / 'yard' / 'level.yaml'}" in done.stdout
+    assert "0 of " in done.stdout
+    assert "pass" not in done.stdout
+
+
 def test_a_level_that_moved_away_is_asked_for(folder) -> None:
     shutil.move(folder / "yard", folder / "court")
     text = (folder / "out" / "state" / "findings.npz").read_bytes()

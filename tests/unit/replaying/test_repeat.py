@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -66,3 +67,20 @@ def test_a_pit_is_still_there_until_it_is_filled(state) -> None:
     gone = again(state, pit(0.0))
     assert not gone.passed
     assert gone.note == "not there any more: 0 of 33 attempts"
+
+
+def test_what_leads_into_a_changed_pit_does_not_tell_whether_one_gets_out(state) -> None:
+    assert "told by a run" in again(state, pit(3.0)).note
+    assert "told by a run" not in again(state, pit(3.0), changed=False).note
+
+
+@pytest.mark.parametrize("older", [True, False])
+def test_what_has_no_path_or_no_places_is_neither_there_nor_gone(state, older) -> None:
+    """Before places were kept, any footing beside a pocket showed it."""
+    (recording,) = state.recordings.values()
+    id_ = state.kept.findings[0].id
+    without = replace(state, recordings={id_: replace(recording, standing=None)} if older else {})
+    result = again(without, replace(pit(0.0), file=Path("hall.yaml")))
+    assert result.passed is None
+    assert result.positions is None
+    assert "reachtest run hall.yaml" in result.note
