@@ -46,6 +46,7 @@ def replay(
     changed = repeat.changes(now, state)
     for change in changed:
         print(f"changed since the run: {change}")
+    now = repeat.at_its_step(now, state)
     results = repeat.repeat(now, state, chosen, bool(changed))
     for result in results:
         print(show.line(now, result))

@@ -19,11 +19,13 @@ from reachtest.interfaces import Simulator
 from reachtest.levels import load_level, named_files
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Floats, Level
-from reachtest.replaying.state import POCKETS, KeptFinding, Recording, State, digests, outcome_of, printable
+from reachtest.replaying.sections import differences, printable
+from reachtest.replaying.state import POCKETS, KeptFinding, Recording, State, digests, outcome_of
 from reachtest.world import SIMULATORS
 
 ATTEMPTS = 32  # to get there on a changed level: acting on what is seen, and with other actions around
 LANES = 33
+SPAWN_M = 0.01  # the character is put where the level file says
 _SEED = 0x2E9
 
 
@@ -51,17 +53,23 @@ def find_level(folder: Path, state: State, given: Path | None) -> Path:
 
 
 def load(path: Path, state: State) -> Level:
-    """The level at the time step of the run. Raises BadInput, also for another level."""
-    level, kept = load_level(path), state.kept
-    if printable(level.name) != kept.level.name:
-        found = f"is the level '{level.name}', the replay is of '{kept.level.name}'"
+    """The level as it is now. Raises BadInput, also for another level."""
+    level, before = load_level(path), state.kept.level.name
+    if printable(level.name) != before:
+        found = f"is the level '{level.name}', the replay is of '{before}'"
         raise BadInput([Problem(str(path), found, "give a build of the level that the run was about")])
+    return level
+
+
+def at_its_step(level: Level, state: State) -> Level:
+    """The level at the time step of the run."""
+    kept = state.kept
     explore = dataclasses.replace(level.explore, physics_hz=kept.physics_hz, action_repeat=kept.action_repeat)
     return dataclasses.replace(level, explore=explore)
 
 
 def changes(level: Level, state: State) -> list[str]:
-    """What differs from the run: files by name, or the simulator's version; empty if nothing does."""
+    """What differs from the run: files and what is in them, the simulator's version; empty if nothing does."""
     kept = state.kept
     result = []
     if level.sha256 != kept.level.sha256:
@@ -73,6 +81,8 @@ def changes(level: Level, state: State) -> list[str]:
         result += [f"{name} is new" for name in now if name not in before]
         result += [f"{name} is not named any more" for name in before if name not in now]
         result = result or ["a file that one of its files refers to has changed"]
+        if kept.level.values is not None and kept.level.sections is not None:
+            result += differences(level, kept.level.values, kept.level.sections)
     if version("mujoco") != kept.mujoco:
         result.append(f"MuJoCo is {version('mujoco')}, it was {kept.mujoco}")
     return result
@@ -101,7 +111,14 @@ def repeat(level: Level, state: State, findings: Sequence[KeptFinding], changed:
         if changed and not told[finding.id].passed:
             more = [trial, *_others(simulator, recording)]
             told[finding.id] = _tried(judge, finding, recording, more)
+        if not _at_a_spawn(level, trial.start[:3]):
+            note = f"{told[finding.id].note}; its start is no spawn of the level any more"
+            told[finding.id] = dataclasses.replace(told[finding.id], note=note)
     return [told.get(finding.id) or _untold(level, finding, state) for finding in findings]
+
+
+def _at_a_spawn(level: Level, place: Floats) -> bool:
+    return any(np.linalg.norm(spawn.position - place) <= SPAWN_M for spawn in level.spawns)
 
 
 def _can_be_told(finding: KeptFinding, recording: Recording) -> bool:

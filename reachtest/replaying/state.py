@@ -29,6 +29,7 @@ from reachtest.errors import BadInput, Problem
 from reachtest.files import write_whole
 from reachtest.levels import named_files
 from reachtest.records import KINDS, Finding, Floats, Level
+from reachtest.replaying.sections import digests_of, printable, values_of
 from reachtest.world import SIMULATORS
 
 STATE_FILE = Path("state") / "findings.npz"
@@ -76,6 +77,9 @@ class KeptLevel(_Part):
     beside: str  # from the output folder
     sha256: str
     files: dict[str, str]  # sha256 of each file that it names
+    # What was in them, for `sections.differences`; older versions kept none.
+    values: dict[str, str] | None = None
+    sections: dict[str, str] | None = None
 
 
 class KeptFinding(_Part):
@@ -200,11 +204,6 @@ def digests(files: dict[str, Path]) -> dict[str, str]:
     return result
 
 
-def printable(text: str) -> str:
-    """`text` without halves of surrogate pairs, which a level file can hold and JSON cannot."""
-    return text.encode("utf-8", errors="replace").decode()
-
-
 def _unpack(path: Path) -> dict[str, NDArray[np.generic]]:
     with zipfile.ZipFile(path) as archive:
         size = sum(item.file_size for item in archive.infolist())
@@ -275,6 +274,8 @@ def _kept_level(folder: Path, level: Level) -> KeptLevel:
         beside=Path(beside).as_posix(),
         sha256=level.sha256,
         files=digests(named_files(level.file)),
+        values=values_of(level),
+        sections=digests_of(level),
     )
 
 

@@ -94,7 +94,8 @@ def test_a_fixed_level_says_so_and_what_changed(folder) -> None:
     done = replay(folder)
     assert done.returncode == 1, done.stderr
     assert "level.yaml has changed" in done.stdout
-    assert "nav.obj" not in done.stdout
+    assert "geometry 'wall 3' is new" in done.stdout
+    assert "nav" not in done.stdout
     assert "not there any more" in done.stdout
     assert "FAIL" in done.stdout
 
@@ -106,8 +107,14 @@ def test_a_level_that_changed_elsewhere_still_has_the_bug(folder) -> None:
     file.write_text(file.read_text().replace("[14, 1, 14]", "[14.3, 1, 14]"))  # the floor is 15 cm longer
     done = replay(folder)
     assert done.returncode == 0, done.stdout + done.stderr
-    for fact in ("level.yaml has changed", "nav.obj has changed", "still there"):
+    for fact in (
+        "level.yaml has changed",
+        "nav.obj has changed",
+        "geometry 'floor' has changed",
+        "still there",
+    ):
         assert fact in done.stdout
+    assert "the nav-mesh has changed" not in done.stdout  # it says the same as before
 
 
 def test_the_replay_of_another_level_is_bad_input(folder) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from reachtest.confirm.confirmer import Confirmer
-from reachtest.records import Level
+from reachtest.records import Level, Spawn
 from reachtest.replaying.repeat import Repeated, repeat
 from reachtest.replaying.state import read_state, write_state
 from reachtest.surface import SurfaceIndex
@@ -84,3 +84,9 @@ def test_what_has_no_path_or_no_places_is_neither_there_nor_gone(state, older) -
     assert result.passed is None
     assert result.positions is None
     assert "reachtest run hall.yaml" in result.note
+
+
+def test_a_path_from_where_nobody_starts_any_more_says_so(state) -> None:
+    moved = replace(pit(3.0), spawns=(Spawn("start", np.array([-2.0, 0, 0.02])),))
+    assert "its start is no spawn of the level any more" in again(state, moved).note
+    assert "spawn" not in again(state, pit(3.0)).note
