@@ -38,11 +38,15 @@ def replay(
     opengl = os.environ.pop("MUJOCO_GL", None)  # a broken one is no reason not to simulate
     from reachtest.replaying import repeat, show
     from reachtest.replaying.state import read_state
-    from reachtest.replaying.video import write_video
+    from reachtest.replaying.video import check_video, write_video
 
+    targets = [target for target in (path, mcap, video) if target]
+    show.check_places(targets)
     state = read_state(out)
     chosen = _chosen(state, finding)
     now = repeat.load(repeat.find_level(out, state, level), state)
+    if video:
+        check_video(video, now, opengl)
     changed = repeat.changes(now, state)
     for change in changed:
         print(f"changed since the run: {change}")
@@ -51,14 +55,14 @@ def replay(
     for result in results:
         print(show.line(now, result))
     print(show.summary(results))
-    shown = show.first_way(results) if path or mcap or video else None
+    shown = show.first_way(results) if targets else None
     if path and shown:
         show.write_points(path, now, shown)
     if mcap and shown:
         show.write_mcap(mcap, now, shown)
     if video and shown:
         write_video(video, now, shown, opengl)
-    for target in filter(None, (path, mcap, video)):
+    for target in targets:
         print(f"{target}: {shown.finding.id if shown else ''}")
     raise typer.Exit(_status([result.passed for result in results]))
 

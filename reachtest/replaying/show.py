@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from errno import EISDIR
+from os import strerror
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import numpy as np
 
@@ -81,6 +84,22 @@ def with_place(path: Path, write: Callable[[Path], object]) -> None:
         write_whole(path, write)
     except OSError as error:
         raise _unwritable(path, error) from error
+
+
+def check_places(paths: Sequence[Path]) -> None:
+    """Raises BadInput where files cannot be written, before anything is simulated for them."""
+    problems: list[Problem] = []
+    for path in paths:
+        try:
+            if path.is_dir():
+                raise IsADirectoryError(EISDIR, strerror(EISDIR))
+            folder = next(folder for folder in path.absolute().parents if folder.exists())
+            with TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            problems += _unwritable(path, error).problems
+    if problems:
+        raise BadInput(problems)
 
 
 def _unwritable(path: Path, error: OSError) -> BadInput:

@@ -30,15 +30,22 @@ _GL_HELP = (
 _FFMPEG_HELP = "install ffmpeg or 'pip install imageio-ffmpeg', or ask for a .gif"
 
 
+def check_video(path: Path, level: Level, opengl: str | None = None) -> None:
+    """Draw one frame: raises BadInput where `write_video` would, before anything is simulated for it."""
+    _encoder(path)
+    with tempfile.TemporaryDirectory() as folder:
+        job = Path(folder) / "job.npz"
+        _write_job(job, level, level.spawns[0].position[None], np.zeros((0, 3)))
+        for _ in _draw(job, 1, opengl):
+            pass
+
+
 def write_video(path: Path, level: Level, repeated: Repeated, opengl: str | None = None) -> None:
     """Draw the way to `path`, by its ending; `opengl` is what MUJOCO_GL asks for.
 
     Raises BadInput where OpenGL or ffmpeg is missing.
     """
-    if path.suffix.lower() not in (".mp4", ".gif"):
-        found = f"'{path.name}' is no film that can be made"
-        raise BadInput([Problem("command line: --video", found, "let it end in .mp4 or .gif")])
-    encoder = _ffmpeg() if path.suffix.lower() == ".mp4" else None
+    encoder = _encoder(path)
     with tempfile.TemporaryDirectory() as folder:
         job = Path(folder) / "job.npz"
         frames = _prepare(job, level, repeated)
@@ -56,9 +63,15 @@ def _prepare(job: Path, level: Level, repeated: Repeated) -> int:
     frames = int(np.clip(round((len(way) - 1) * step_s * FPS), 2, MAX_FRAMES))
     at = np.linspace(0, len(way) - 1, frames)
     places = np.stack([np.interp(at, np.arange(len(way)), way[:, axis]) for axis in range(3)], axis=1)
-    centre = places.mean(axis=0)  # the graphics card counts in float32
     exit_point = repeated.finding.exit_point
     marks = np.array([] if exit_point is None else [exit_point], dtype=np.float64).reshape(-1, 3)
+    _write_job(job, level, places, marks)
+    return frames
+
+
+def _write_job(job: Path, level: Level, places: Floats, marks: Floats) -> None:
+    """What `render` draws: the character at each of `places` [frames, 3], and `marks` [n, 3]."""
+    centre = places.mean(axis=0)  # the graphics card counts in float32
     np.savez(
         job,
         triangles=_around(places, level.collision) - centre,
@@ -70,7 +83,6 @@ def _prepare(job: Path, level: Level, repeated: Repeated) -> int:
         radius_m=level.character.radius_m,
         height_m=level.character.height_m,
     )
-    return frames
 
 
 def _around(places: Floats, triangles: Floats) -> Floats:
@@ -142,6 +154,14 @@ def _gif(part: Path, frames: Iterator[bytes]) -> None:
     images[0].save(
         part, format="GIF", save_all=True, append_images=images[1:], duration=round(1000 / FPS), loop=0
     )
+
+
+def _encoder(path: Path) -> str | None:
+    """The program that makes the film at `path`; None: no other. Raises BadInput."""
+    if path.suffix.lower() not in (".mp4", ".gif"):
+        found = f"'{path.name}' is no film that can be made"
+        raise BadInput([Problem("command line: --video", found, "let it end in .mp4 or .gif")])
+    return _ffmpeg() if path.suffix.lower() == ".mp4" else None
 
 
 def _ffmpeg() -> str:

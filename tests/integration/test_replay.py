@@ -181,8 +181,25 @@ def test_a_film_needs_opengl_and_says_what_to_install(made, tmp_path) -> None:
     assert done.returncode == 2
     assert "libosmesa6" in done.stderr
     assert "MUJOCO_GL" in done.stderr
+    assert not done.stdout  # before anything was simulated
     assert not list(tmp_path.iterdir())
-    assert replay(made, "--video", tmp_path / "way.avi").returncode == 2
+
+
+def test_a_film_that_cannot_be_encoded_is_said_before_anything_is_simulated(made, tmp_path) -> None:
+    done = replay(made, "--video", tmp_path / "way.avi")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert ".mp4 or .gif" in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--path", "--mcap", "--video"])
+def test_a_place_that_cannot_be_written_is_said_before_anything_is_simulated(made, tmp_path, option) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    for target in (file / "way.gif", file / "more" / "way.gif", tmp_path):
+        done = replay(made, option, target)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert f"'{target}' cannot be written" in done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"file"}
 
 
 def test_a_film_shows_the_whole_way(made, tmp_path) -> None:
