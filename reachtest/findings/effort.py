@@ -46,6 +46,18 @@ def is_connected(exploration: Exploration, index: int) -> bool:
     return bool(known[index]) if len(known) else True
 
 
+def given_up(exploration: Exploration, counts: Bools) -> Bools:
+    """The unreached goals among those that count [G] that a run can call unreached: enough was done to get there.
+
+    None where nobody got to any of them: then it is not the places that are wrong.
+    """
+    result = np.zeros(len(exploration.goals), dtype=np.bool_)
+    if (exploration.goal_step[counts] >= 0).any():
+        for area in open_areas(exploration, counts):
+            result[area] = enough(exploration, attempts_at(exploration, area))
+    return result
+
+
 def describe_required(exploration: Exploration, index: int) -> tuple[str, ...]:
     """What was tried to get to a required point, for people."""
     attempts = attempts_at_required(exploration, index)
@@ -68,8 +80,8 @@ def describe(exploration: Exploration, attempts: int, goals: Ints | None = None)
     return (f"{tries}: inconclusive, explore.effort asks for {exploration.settings.effort}",)
 
 
-def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> list[str]:
-    """What is missing before unreached places can be called so, and how many more steps that is likely to take.
+def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> tuple[list[str], int | None]:
+    """What is missing before unreached places can be called so, and an estimate of how many more steps that takes.
 
     Required points always, and areas of the goals that count [G] if `areas_too`.
     """
@@ -94,7 +106,7 @@ def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> 
         missing.append(f"{where} {'were' if astray != 1 else 'was'} not reached")
     if steps:
         missing.append(f"that is likely to take {steps:,} more steps (an estimate)")
-    return missing
+    return missing, steps
 
 
 def steps_to_go(exploration: Exploration, counts: Bools) -> int | None:

@@ -89,6 +89,8 @@ class Verdict:
     name: str  # "pass" | "fail" | "inconclusive"
     exit_code: int
     reason: str
+    steps_to_go: int | None = None  # an estimate, where goals or required points are what a pass still takes
+    goals_given_up: int = 0  # unreached after enough attempts, and no reason to fail: known, or not asked for
 
 
 @dataclass(frozen=True)

@@ -56,6 +56,33 @@ def test_an_area_that_was_not_tried_enough_is_inconclusive_and_says_what_is_miss
     assert "more steps (an estimate)" in verdict.reason
 
 
+def test_an_area_that_was_tried_enough_and_is_known_does_not_prevent_a_pass_and_is_said() -> None:
+    result = after([0, 40, 24, 0])
+    known = [replace(f, gating=False, suppressed_by="baseline: x") for f in find(LEVEL, result, Paths())]
+    verdict = judge(LEVEL.gate, result, known)
+    assert (verdict.name, verdict.goals_given_up) == ("pass", 2)
+    assert "2 of 4 goals are known to be unreached" in verdict.reason
+    unsure = judge(replace(LEVEL.gate, max_discovery_probability=0.0), replace(result, cells_once=9), known)
+    assert unsure.name == "inconclusive"
+    assert "known to be unreached" in unsure.reason
+
+
+def test_a_known_area_excuses_no_other_one() -> None:
+    result = replace(after([0, 64, 64, 0]), goal_step=np.array([5, -1, -1, -1]))
+    known = [replace(f, gating=False, suppressed_by="baseline: x") for f in find(LEVEL, result, Paths())]
+    verdict = judge(LEVEL.gate, result, known)
+    assert (verdict.name, verdict.goals_given_up) == ("inconclusive", 2)
+    assert "1 of 2 nav-mesh goals were reached" in verdict.reason
+    assert verdict.steps_to_go is not None
+    assert f"{verdict.steps_to_go:,} more steps" in verdict.reason
+
+
+def test_a_run_that_reached_no_goal_gives_none_up() -> None:
+    result = replace(after([64, 64, 64, 64]), goal_step=np.full(4, -1))
+    verdict = judge(replace(LEVEL.gate, fail_on=("inside_solid",)), result, ())
+    assert (verdict.name, verdict.goals_given_up) == ("inconclusive", 0)
+
+
 @pytest.mark.parametrize(("attempts", "name"), [(64, "fail"), (63, "inconclusive"), (0, "inconclusive")])
 def test_a_required_point_gates_after_as_much_effort(attempts: int, name: str) -> None:
     where = replace(LEVEL, gate=replace(LEVEL.gate, min_goals_reached=0.5))

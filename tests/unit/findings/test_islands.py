@@ -55,9 +55,14 @@ def test_an_unreached_part_of_the_island_of_the_spawn_gates_and_prevents_a_pass(
     assert [f.gating for f in findings] == [True, False]
     assert findings[0].position.tolist() == [15, 15, 0]
     assert verdict.name == "fail"
+    assert verdict.goals_given_up == 0
+
+
+def test_an_unreached_part_that_the_gate_does_not_ask_for_does_not_prevent_a_pass_and_is_said() -> None:
     _, verdict = run(ROOFED, [9, -1, -1, -1, -1])
-    assert verdict.name == "inconclusive"
-    assert "1 of 2" in verdict.reason
+    assert verdict.name == "pass"
+    assert verdict.goals_given_up == 1
+    assert "1 of 5 goals is known to be unreached" in verdict.reason
 
 
 def test_a_link_makes_a_roof_part_of_what_has_to_be_reached() -> None:
@@ -86,9 +91,9 @@ def test_the_finding_keeps_its_id_whatever_else_is_reached() -> None:
 
 def test_a_spawn_beside_the_nav_mesh_excuses_nothing() -> None:
     lost = replace(ROOFED, spawns=(replace(ROOFED.spawns[0], position=np.array([0.0, 40.0, 0.0])),))
-    findings, verdict = run(lost, [9, 9, -1, -1, -1])
+    findings, verdict = run(replace(lost, gate=GATED.gate), [9, 9, -1, -1, -1])
     assert [f.kind for f in findings] == ["unreached_area"] * 3
-    assert verdict.name == "inconclusive"
+    assert verdict.name == "fail"
 
 
 def test_a_spawn_on_an_island_without_goals_is_no_pass() -> None:
