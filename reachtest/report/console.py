@@ -32,9 +32,8 @@ def _lines(report: Report, width: int) -> list[tuple[str, str]]:
     known = wording.known(report.findings)
     fragile = wording.fragile(report.findings)
     others = [f for f in report.findings if not (f.gating or f.fragile) and f.suppressed_by is None]
-    head = (
-        f"{verdict.name.upper()}  {wording.one_line(report.level.name)}: {wording.one_line(verdict.reason)}"
-    )
+    name, reason = wording.one_line(report.level.name), wording.sentence(verdict.reason)
+    head = f"{verdict.name.upper()}  {name}: {reason}"
     lines = [(line, STYLES[verdict.name]) for line in textwrap.wrap(head, width, subsequent_indent="  ")]
     if report.findings:
         axes = wording.axes(report.level)

@@ -82,9 +82,10 @@ def _skipped_case(suite: ET.Element, suite_name: str, finding: Finding, level: L
 
 
 def _run_cases(suite: ET.Element, suite_name: str, report: Report) -> None:
-    """The goals, and whether the run could tell: an inconclusive run is one error, at its cause."""
+    """The goals, and whether the run could tell."""
     wanted = report.level.gate.min_goals_reached
     reached, total = wording.goals_that_count(report)
+    total -= report.verdict.goals_given_up
     inconclusive = report.verdict.name == "inconclusive"
     goals_missing = report.verdict.name != "pass" and reached < wanted * total
     facts = [f"{label}: {text}" for label, text in wording.run_facts(report)]
@@ -93,8 +94,8 @@ def _run_cases(suite: ET.Element, suite_name: str, report: Report) -> None:
         message = f"{reached} of {total} goals reached, {100 * wanted:g} % wanted"
         _problem(goals, "error" if inconclusive else "failure", "goals_reached", message, facts)
     explored = _case(suite, suite_name, "explored_enough")
-    if inconclusive and not goals_missing:
-        _problem(explored, "error", "inconclusive", wording.one_line(report.verdict.reason), facts)
+    if inconclusive:
+        _problem(explored, "error", "inconclusive", wording.sentence(report.verdict.reason), facts)
 
 
 def _problem(case: ET.Element, tag: str, kind: str, message: str, lines: list[str]) -> None:

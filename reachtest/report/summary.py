@@ -21,7 +21,7 @@ def render(report: Report) -> str:
     known = wording.known(report.findings)
     fragile = wording.fragile(report.findings)
     others = [f for f in report.findings if not (f.gating or f.fragile) and f.suppressed_by is None]
-    blocks = [f"# {BADGES[report.verdict.name]}: {escape(report.verdict.reason)}", _about(report)]
+    blocks = [f"# {BADGES[report.verdict.name]}: {escape_sentence(report.verdict.reason)}", _about(report)]
     if gating:
         header = "| # | what | where (x, y, z) | how bad | how to see it |"
         blocks += [f"## Fails the build ({len(gating)})", _table(header, gating, report.level, _gating_row)]
@@ -42,7 +42,7 @@ def render(report: Report) -> str:
     if (missed := wording.missed_ground(report)) is not None:
         listed = [f"- {escape(place)}" for place in missed[:MAX_FINDINGS]] or ["None."]
         blocks += [f"## Ground that the nav-mesh misses ({len(missed)})", "\n".join(listed)]
-    facts = [f"- **{label}:** {text}" for label, text in wording.run_facts(report)]
+    facts = [f"- **{label}:** {escape_sentence(text)}" for label, text in wording.run_facts(report)]
     if drawn := sparkline(report):
         facts.append(f"- **Share of episodes that found a new place, over the run:** `{drawn}`")
     blocks += ["## The run", "\n".join(facts), f"**Next:** {wording.next_step(report)}."]
@@ -50,8 +50,13 @@ def render(report: Report) -> str:
 
 
 def escape(text: str) -> str:
-    """`text` on one line, shown as it is: neither markdown nor HTML nor a table cell's end."""
-    line = wording.one_line(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    """A name on one line, not too long, shown as it is: neither markdown nor HTML nor a table cell's end."""
+    return escape_sentence(wording.one_line(text))
+
+
+def escape_sentence(text: str) -> str:
+    """The same of a whole sentence, which is not cut."""
+    line = wording.sentence(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return _SPECIAL.sub(r"\\\1", line)
 
 
@@ -80,7 +85,7 @@ def _known_table(known: Sequence[Finding], report: Report) -> str:
             str(number),
             _what(finding),
             _where(finding, level),
-            escape(wording.why_known(report, finding)),
+            escape_sentence(wording.why_known(report, finding)),
         ]
 
     return _table("| # | what | where (x, y, z) | why it is let be |", known, report.level, row)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from reachtest.records import Finding, Ints, Level, Report, StopReason
+from reachtest.records import SATURATED_RISK, Finding, Ints, Level, Report, StopReason
 from reachtest.report.risk import recent_sentence, risk_sentence
 
 MAX_TEXT = 160  # characters of a name or title: a generated name can be longer than the page
@@ -242,7 +242,19 @@ def next_step(report: Report) -> str:
             "paste a position into your editor, or open run.mcap in Foxglove, Lichtblick or Rerun "
             "to see how the character got there"
         )
-    return "look at the findings that do not fail the build" if report.findings else "nothing to do"
+    if report.findings:
+        return "look at the findings that do not fail the build"
+    return _next_pass(report)
+
+
+def _next_pass(report: Report) -> str:
+    risk, limit = report.exploration.risk, report.level.gate.max_discovery_probability
+    if risk <= max(SATURATED_RISK, limit or 0.0):
+        return "nothing to do"
+    return (
+        f"nothing to mend; one more episode may still find a new place (up to {100 * risk:.0f} %): now and then run"
+        f" longer, for example with --steps {2 * report.exploration.agent_steps}"
+    )
 
 
 def _next_inconclusive(report: Report) -> str:
@@ -251,5 +263,9 @@ def _next_inconclusive(report: Report) -> str:
         return "run again: what was found so far is in the report"
     if len(exploration.goals) and not (exploration.goal_step >= 0).any():
         return "no goal was reached at all: check the spawn, the axes and the units in the level file"
-    longer = f"run longer, for example with --steps {2 * exploration.agent_steps}"
+    more = report.verdict.steps_to_go or exploration.agent_steps
+    longer = f"run longer, for example with --steps {exploration.agent_steps + more}"
+    reached, total = goals_that_count(report)
+    if reached == total and (exploration.required_step >= 0).all():
+        return f"{longer}: everything was reached, but new places are still being found"
     return f"{longer}, or open run.mcap to see which places are cut off"

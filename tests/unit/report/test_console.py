@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from reachtest.report import console_summary
-from tests.unit.report.make import FAIL, INCONCLUSIVE, PASS, make_finding, make_findings, make_report
+from reachtest.report import console_summary, summary
+from tests.unit.report.make import FAIL, INCONCLUSIVE, LONG, PASS, make_finding, make_findings, make_report
 
 
 @pytest.mark.parametrize("width", [40, 80, 132])
@@ -43,6 +43,38 @@ def test_a_pass_is_short() -> None:
     lines = console_summary(make_report(verdict=PASS), 100).plain.splitlines()
     assert lines[0].startswith("PASS  hall")
     assert len(lines) < 12
+
+
+def test_the_whole_reason_is_there_and_the_next_step_goes_by_its_estimate() -> None:
+    text = " ".join(console_summary(make_report(verdict=LONG), 80).plain.split())
+    assert LONG.reason in text
+    assert "--steps 723000" in text
+
+
+def test_a_known_bug_names_author_and_expiry_whatever_the_reason() -> None:
+    report = make_report((make_finding(gating=False, suppressed_by="baseline"),))
+    told = {"reason": "so it is " * 50, "author": "Mia", "expires": "2030-05-31", "title": "A hole"}
+    known = {"finding": make_finding().id, "id": "known-1", "kind": "stuck", "position": [4, 3, -10], **told}
+    report.document["baseline"] = {"known": [known], "expired": [], "worse": [], "fixed": [], "not_seen": []}
+    assert "(Mia, until 2030-05-31)" in " ".join(console_summary(report, 80).plain.split())
+    assert "(Mia, until 2030-05-31)" in summary.render(report)
+
+
+def test_what_became_of_a_known_bug_is_told_with_title_and_place() -> None:
+    report = make_report()
+    told = {"id": "known-1", "kind": "stuck", "title": "A hole", "position": [4, 3, -10]}
+    report.document["baseline"] = {
+        "known": [],
+        "expired": [],
+        "worse": [{**told, "finding": "fall-1"}],
+        "fixed": [told],
+        "not_seen": [{**told, "doubt": "the run was too short"}],
+    }
+    text = " ".join(console_summary(report, 80).plain.split())
+    hole = "A hole at 400, -1000, -300 (known-1)"
+    assert f"got worse: {hole}, now fall-1" in text
+    assert f"; fixed: {hole}" in text
+    assert f"not shown to be fixed (the run was too short): {hole}" in text
 
 
 def test_colour_follows_the_verdict() -> None:

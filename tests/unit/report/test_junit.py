@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from reachtest.report.junit import render
 from tests.unit.report.make import (
     FAIL,
     INCONCLUSIVE,
+    LONG,
     make_exploration,
     make_finding,
     make_findings,
@@ -55,12 +57,22 @@ def test_a_failure_says_what_and_where() -> None:
         assert needed in str(failure.text)
 
 
-def test_an_inconclusive_run_is_one_error() -> None:
-    goals = outcomes(make_report(verdict=INCONCLUSIVE))
-    assert [name for name, outcome in goals.items() if outcome == "error"] == ["goals_reached"]
+def test_an_inconclusive_run_has_not_explored_enough_and_says_all_of_why() -> None:
+    report = make_report(verdict=LONG)
+    assert [name for name, outcome in outcomes(report).items() if outcome == "error"] == [
+        "goals_reached",
+        "explored_enough",
+    ]
+    assert LONG.reason in [error.get("message") for error in ET.fromstring(render(report)).iter("error")]
     enough = make_exploration(goal_step=np.array([0, 640, 902]))
     unsure = outcomes(make_report(verdict=INCONCLUSIVE, exploration=enough))
     assert [name for name, outcome in unsure.items() if outcome == "error"] == ["explored_enough"]
+
+
+def test_goals_that_were_given_up_are_not_missing() -> None:
+    verdict = replace(FAIL, goals_given_up=1)  # of three, two were reached
+    assert outcomes(make_report(make_findings(), verdict))["goals_reached"] == "passed"
+    assert outcomes(make_report(make_findings(), FAIL))["goals_reached"] == "failure"
 
 
 def test_the_counts_match_the_cases() -> None:

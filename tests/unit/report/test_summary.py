@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from markdown_it import MarkdownIt
@@ -11,6 +13,7 @@ from reachtest.report.summary import escape, render
 from tests.unit.report.make import (
     FAIL,
     INCONCLUSIVE,
+    LONG,
     PASS,
     make_exploration,
     make_finding,
@@ -71,6 +74,26 @@ def test_the_way_on_depends_on_the_outcome() -> None:
     nowhere = make_exploration(goal_step=np.full(3, -1))
     assert "check the spawn" in render(make_report(verdict=INCONCLUSIVE, exploration=nowhere))
     assert "paste a position" in render(make_report(make_findings(), FAIL))
+
+
+def test_the_whole_reason_is_in_the_first_line() -> None:
+    assert render(make_report(verdict=LONG)).splitlines()[0].endswith(LONG.reason)
+
+
+def test_where_everything_was_reached_no_place_is_cut_off() -> None:
+    everywhere = make_exploration(goal_step=np.array([0, 640, 902]))
+    text = render(make_report(verdict=INCONCLUSIVE, exploration=everywhere))
+    assert "everything was reached, but new places are still being found" in text
+    assert "cut off" not in text
+
+
+def test_a_pass_says_what_risk_remains() -> None:
+    steps = np.array([0, 640, 902])
+    assert "**Next:** nothing to do." in render(make_report(verdict=PASS))
+    open_ = make_exploration(goal_step=steps, cells_once=1_250)
+    assert "may still find a new place (up to 80 %)" in render(make_report(exploration=open_))
+    accepted = make_level(gate=replace(make_level().gate, max_discovery_probability=0.9))
+    assert "nothing to do" in render(make_report(exploration=open_, level=accepted))
 
 
 def test_thousands_of_findings_stay_readable() -> None:
