@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from reachtest import __version__
-from reachtest.baseline import Baseline, apply_baseline, read_baseline
+from reachtest.baseline import Baseline, apply_baseline, baseline_of, read_baseline
 from reachtest.confirm import Confirmer
 from reachtest.errors import BadInput, Problem
 from reachtest.explore import HEURISTICS, Explorer, Replayer
@@ -112,9 +112,7 @@ def _baseline(level: Level, options: RunOptions) -> Baseline | None:
     """The known bugs that the command line or the level names. Raises BadInput."""
     if options.baseline is not None:
         return read_baseline(options.baseline, level.name)
-    if level.gate.baseline is not None:
-        return read_baseline(level.file.parent / level.gate.baseline, level.name, named=level.gate.baseline)
-    return None
+    return baseline_of(level)
 
 
 def _make_folder(folder: Path) -> None:

@@ -5,29 +5,38 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
 
 from reachtest.baseline.gone import Look
 from reachtest.baseline.place import Place
 from reachtest.errors import BadInput, Problem
-from reachtest.records import SATURATED_RISK
+from reachtest.records import KINDS, SATURATED_RISK
 
-Point = tuple[float, float, float]
+Number = Annotated[float, Field(ge=-1e12, le=1e12)]  # beyond any level, in any units
+Point = tuple[Number, Number, Number]
+Step = Annotated[int, Field(ge=-1, le=2**62)]
 _REMEDY = "give the output folder of a finished 'reachtest run', or its report.json"
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)  # later versions may add keys
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)  # later versions may add keys
+
+
+def _known_kind(kind: str) -> str:
+    if kind not in KINDS:
+        raise ValueError(f"known kinds are {', '.join(KINDS)}")
+    return kind
 
 
 class FoundBefore(_Part):
     """A finding of report.json."""
 
-    id: str
-    kind: str
+    id: str = Field(min_length=1, max_length=1000)
+    kind: Annotated[str, AfterValidator(_known_kind)]
     severity: str
     gating: bool
     title: str
@@ -67,8 +76,14 @@ class _Explore(_Part):
     goal_spacing_m: float
 
 
+def _invertible(matrix: tuple[Point, Point, Point]) -> tuple[Point, Point, Point]:
+    if np.linalg.matrix_rank(np.array(matrix)) < 3:
+        raise ValueError("three axes that are independent are needed, as the run wrote them")
+    return matrix
+
+
 class _Frame(_Part):
-    matrix: tuple[Point, Point, Point]
+    matrix: Annotated[tuple[Point, Point, Point], AfterValidator(_invertible)]
 
 
 class _Config(_Part):
@@ -129,9 +144,9 @@ class CoverageBefore(_Part):
     """coverage.json: goals (x, y, z, agent step at which it was reached or -1), and one standing place a cell
     (x, y, z, 1 if expected)."""
 
-    cell_m: float
-    goals: tuple[tuple[float, float, float, int], ...]
-    stood: tuple[tuple[float, float, float, int], ...]
+    cell_m: float = Field(ge=0.01, le=1e6)
+    goals: tuple[tuple[Number, Number, Number, Step], ...]
+    stood: tuple[tuple[Number, Number, Number, Step], ...]
 
 
 @dataclass(frozen=True)
@@ -161,16 +176,21 @@ def _read(file: Path, model: type[Model]) -> Model:
         raise BadInput([Problem(str(file), error.strerror or str(error), _REMEDY)]) from error
     except ValueError as error:  # neither JSON nor UTF-8
         raise BadInput([Problem(str(file), f"is cut off or damaged: {error}", _REMEDY)]) from error
+    except RecursionError as error:
+        raise BadInput([Problem(str(file), "is damaged: nested too deep to read", _REMEDY)]) from error
     version = content.get("schema_version") if isinstance(content, dict) else None
-    if version != 1:
+    if type(version) is not int or version != 1:  # true and 1.0 are equal to 1
         raise BadInput(
             [Problem(str(file), f"has schema_version {version!r}", f"this program reads 1; {_REMEDY}")]
         )
     try:
         return model.model_validate(content)
     except ValidationError as error:
-        problems = [
-            Problem(f"{file}: {'.'.join(map(str, details['loc']))}", str(details["msg"]), _REMEDY)
-            for details in error.errors(include_url=False)
-        ]
-        raise BadInput(problems) from error
+        raise BadInput([_problem(details, file) for details in error.errors(include_url=False)]) from error
+
+
+def _problem(details: ErrorDetails, file: Path) -> Problem:
+    where = f"{file}: {'.'.join(map(str, details['loc']))}"
+    right = details["msg"].removeprefix("Value error, ")
+    missing = details["type"] == "missing"
+    return Problem(where, right if missing else f"found {details['input']!r:.80}: {right}", _REMEDY)

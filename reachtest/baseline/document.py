@@ -14,7 +14,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from reachtest.baseline.place import Place
 from reachtest.errors import BadInput, Problem
-from reachtest.records import KINDS
+from reachtest.records import KINDS, Level
 
 _REMEDY = "correct it, or write the file again with 'reachtest baseline update'"
 
@@ -87,15 +87,27 @@ class Baseline:
     entries: tuple[Entry, ...]
 
 
-def read_baseline(path: Path, level: str, named: str | None = None) -> Baseline:
-    """The known bugs of the level of this name. Raises BadInput: absent, corrupt, of another level or version."""
+def baseline_of(level: Level) -> Baseline | None:
+    """The known bugs that a level names with `gate.baseline`. Raises BadInput."""
+    named = level.gate.baseline
+    if named is None:
+        return None
+    return read_baseline(level.file.parent / named, level.name, named, f"{level.file.name}: gate.baseline")
+
+
+def read_baseline(path: Path, level: str, named: str | None = None, key: str = "") -> Baseline:
+    """The known bugs of the level of this name. Raises BadInput: absent, corrupt, of another level or version.
+
+    `named` is what reports call the file, and `key` what names it, for where it cannot be read.
+    """
     file = named or str(path)
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # ValueError: no UTF-8, or a name that no file can have
         found = getattr(error, "strerror", None) or f"is no text: {error}"
         remedy = "name a file that 'reachtest baseline update' wrote"
-        raise BadInput([Problem(file, found, remedy)], path) from error
+        told = Problem(key, f"{file!r}: {found}", remedy) if key else Problem(file, found, remedy)
+        raise BadInput([told], path) from error
     document = parse(text, file)
     if document.level != level:
         found = f"holds the known bugs of level {document.level!r}, not of {level!r}"
@@ -113,10 +125,12 @@ def parse(text: str, file: str) -> Document:
         raise BadInput(
             [Problem(file, f"{place}{getattr(error, 'problem', None) or error}", _REMEDY)]
         ) from error
+    except RecursionError as error:
+        raise BadInput([Problem(file, "is nested too deep to read", _REMEDY)]) from error
     if not isinstance(content, dict):
         raise BadInput([Problem(file, "holds no mapping", _REMEDY)])
     version = content.get("version")
-    if version != 1:
+    if type(version) is not int or version != 1:  # true and 1.0 are equal to 1
         found = "is missing" if version is None else f"found {version!r}"
         raise BadInput([Problem(f"{file}: version", found, "this program reads version 1")])
     try:

@@ -9,9 +9,12 @@ from reachtest.commands.arguments import LevelFile
 
 def validate(level: LevelFile) -> None:
     """Check a level file and everything it names, without running it, and say what was understood."""
+    from reachtest.baseline import baseline_of
     from reachtest.levels import check_level, load_level
 
-    check = check_level(load_level(level))
+    loaded = load_level(level)
+    baseline_of(loaded)
+    check = check_level(loaded)
     width = max(len(name) for name, _ in check.facts)
     for name, fact in check.facts:
         print(f"{name.ljust(width)}  {fact}")

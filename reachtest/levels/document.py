@@ -21,10 +21,12 @@ class _Loader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
         for key, _ in node.value:
-            if key.value in seen and isinstance(key, yaml.ScalarNode):
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.value in seen:
                 message = f"the key {key.value!r} stands twice in one mapping"
                 raise yaml.constructor.ConstructorError(None, None, message, key.start_mark)
-            seen.add(key.value if isinstance(key, yaml.ScalarNode) else None)
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 
@@ -38,11 +40,14 @@ def read_yaml(path: Path) -> tuple[dict[str, Any], bytes]:
         raise BadInput([Problem(str(path), f"{error.strerror or error}", remedy)], path) from error
     try:
         document = yaml.load(data.decode("utf-8-sig"), Loader=_Loader)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, ValueError) as error:  # ValueError: no UTF-8, or 2030-02-31 for a date
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
         found = f"{place}{getattr(error, 'problem', None) or error}"
         raise BadInput([Problem(path.name, found, "correct the YAML syntax there")], path) from error
+    except RecursionError as error:
+        remedy = "take out brackets or indentation: no key of a level goes as deep"
+        raise BadInput([Problem(path.name, "is nested too deep to read", remedy)], path) from error
     if not isinstance(document, dict):
         found = f"holds {show(document)}, not a mapping"
         raise BadInput([Problem(path.name, found, "start with 'version: 1'")], path)

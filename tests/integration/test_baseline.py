@@ -59,6 +59,9 @@ def test_the_level_may_name_the_file_and_a_fixed_bug_is_named(known, tmp_path) -
     assert (section["file"], len(section["fixed"])) == ("known.yaml", 1)
     (tmp_path / "yard" / "known.yaml").unlink()
     assert reachtest("run", file, "--quiet", "--out", tmp_path / "out").returncode == 2
+    done = reachtest("validate", file)
+    assert done.returncode == 2
+    assert "level.yaml: gate.baseline" in done.stderr
     done = reachtest("run", file, "--quiet", "--baseline", baseline, "--out", tmp_path / "out")
     assert done.returncode == 0  # the option wins
 

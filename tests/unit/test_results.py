@@ -28,9 +28,11 @@ def test_a_folder_and_its_report_are_the_same_run(tmp_path) -> None:
         (lambda text: text[: len(text) // 2], "cut off"),
         (lambda text: "[]", "schema_version None"),
         (lambda text: text.replace('"schema_version": 1', '"schema_version": 2'), "schema_version 2"),
+        (lambda text: text.replace('"schema_version": 1', '"schema_version": true'), "schema_version True"),
         (lambda text: json.dumps({"schema_version": 1}), "required"),
+        (lambda text: "[" * 100_000, "nested too deep"),
     ],
-    ids=["cut off", "a list", "another version", "empty"],
+    ids=["cut off", "a list", "another version", "true", "empty", "nested"],
 )
 def test_a_damaged_file_is_told(tmp_path, name, change, fact) -> None:
     result(tmp_path / "out", make_finding())
@@ -39,6 +41,40 @@ def test_a_damaged_file_is_told(tmp_path, name, change, fact) -> None:
     with pytest.raises(BadInput, match=fact) as caught:
         read_result(tmp_path / "out")
     assert all(name in problem.where for problem in caught.value.problems)
+
+
+def _set(document, value, *keys) -> None:
+    *above, last = keys
+    for key in above:
+        document = document[key]
+    assert document[last] != value
+    document[last] = value
+
+
+@pytest.mark.parametrize(
+    ("name", "keys", "value", "fact"),
+    [
+        ("report.json", ("config", "frame", "matrix"), [[1, 0, 0], [2, 0, 0], [0, 0, 1]], "independent"),
+        ("report.json", ("findings", 0, "bounds", 0, 0), float("nan"), "found nan"),
+        ("report.json", ("findings", 0, "kind"), "flying", "found 'flying': known kinds are unexpected_area"),
+        ("report.json", ("findings", 0, "id"), "", "at least 1 character"),
+        ("coverage.json", ("cell_m",), 0, "found 0"),
+        ("coverage.json", ("cell_m",), float("nan"), "found nan"),
+        ("coverage.json", ("goals", 0, 3), 10**400, "found 1000"),
+        ("coverage.json", ("stood", 0, 0), 1e300, "found 1e"),
+    ],
+)
+def test_a_value_that_no_run_writes_is_told(tmp_path, name, keys, value, fact) -> None:
+    result(tmp_path / "out", make_finding())
+    file = tmp_path / "out" / name
+    document = json.loads(file.read_text())
+    _set(document, value, *keys)
+    file.write_text(json.dumps(document))
+    with pytest.raises(BadInput) as caught:
+        read_result(tmp_path / "out")
+    (problem,) = caught.value.problems
+    assert f"{name}: {keys[0]}" in problem.where
+    assert fact in problem.found
 
 
 def test_no_run_there_is_told(tmp_path) -> None:

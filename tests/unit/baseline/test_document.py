@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import date
 
 import pytest
 
-from reachtest.baseline import read_baseline
+from reachtest.baseline import baseline_of, read_baseline
 from reachtest.baseline.document import dump, parse
 from reachtest.errors import BadInput
 from tests.unit.baseline.test_apply import entry
+from tests.unit.report.make import make_level
 
 LEVEL = "hall"
 
@@ -57,6 +59,9 @@ GOOD = dump(LEVEL, [entry(expires=date(2031, 2, 28))])
         ("[4.0, 3.0, -10.0]", "[4.0, .nan, -10.0]", ["position"]),
         (GOOD, "[1, 2]", ["no mapping"]),
         (GOOD, "", ["no mapping"]),
+        ("version: 1", "version: true", ["version", "found True"]),
+        ("version: 1", "version: 1.0", ["version", "found 1.0"]),
+        (GOOD, "version: 1\nlevel: hall\nentries: " + "[" * 3000, ["nested too deep"]),
         (GOOD, GOOD[:-60], ["added"]),
     ],
 )
@@ -65,6 +70,19 @@ def test_mistakes_are_told_with_their_place(tmp_path, old, new, facts) -> None:
     told = problems(tmp_path, GOOD.replace(old, new))
     for fact in facts:
         assert fact in told
+
+
+def test_a_file_that_a_level_names_in_vain_is_told_with_the_key(tmp_path) -> None:
+    gate = replace(make_level().gate, baseline="nosuch.yaml")
+    level = make_level(file=tmp_path / "hall.yaml", gate=gate)
+    with pytest.raises(BadInput) as caught:
+        baseline_of(level)
+    (problem,) = caught.value.problems
+    assert problem.where == "hall.yaml: gate.baseline"
+    assert "'nosuch.yaml': No such file" in problem.found
+    (tmp_path / "nosuch.yaml").write_text(GOOD)
+    assert [e.id for e in baseline_of(level).entries] == [entry().id]
+    assert baseline_of(make_level()) is None
 
 
 def test_a_file_that_is_none_is_told(tmp_path) -> None:

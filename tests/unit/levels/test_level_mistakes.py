@@ -32,6 +32,22 @@ def test_key_twice(tmp_path: Path) -> None:
     assert "'name' stands twice" in only_problem(path)[1]
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("zones: " + "[" * 3000, "nested too deep"),
+        ("? [a, b]\n: 1\n", "unhashable key"),
+        ("name: 2030-02-31\n", "out of range"),
+    ],
+)
+def test_yaml_that_cannot_be_built_is_told(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "level.yaml"
+    path.write_text(f"version: 1\n{text}")
+    where, found, _ = only_problem(path)
+    assert where == "level.yaml"
+    assert told in found
+
+
 @pytest.mark.parametrize("text", ["", "- 1\n", "just words"])
 def test_not_a_mapping(tmp_path: Path, text: str) -> None:
     path = tmp_path / "level.yaml"
