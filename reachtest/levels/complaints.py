@@ -45,7 +45,15 @@ def _problem(details: ErrorDetails, file: str, overridden: Sequence[str]) -> Pro
         )
     if details["type"] == "missing":
         return Problem(where, "is missing", f"add it: {_meaning(loc)}".removesuffix(": "))
-    return Problem(where, f"found {show(details['input'])}", _remedy(details, loc))
+    return Problem(where, _found(details["input"]), _remedy(details, loc))
+
+
+def _found(value: Any) -> str:
+    """What stands in the file; a default that does not fit stands there as nothing."""
+    if isinstance(value, BaseModel):
+        value = value.model_dump(exclude_unset=True, by_alias=True)
+        return f"found {show(value)}" if value else "is not given"
+    return f"found {show(value)}"
 
 
 def _remedy(details: ErrorDetails, loc: Sequence[int | str]) -> str:

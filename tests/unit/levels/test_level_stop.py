@@ -16,12 +16,20 @@ def test_a_run_may_stop_early_at_a_stated_risk(write_level: WriteLevel) -> None:
     assert level.gate.max_discovery_probability == 0.05
 
 
-@pytest.mark.parametrize("gate", [{}, {"gate": {"min_goals_reached": 0.9}}])
-def test_without_a_risk_to_stop_at_it_is_refused(write_level: WriteLevel, gate: dict[str, object]) -> None:
+@pytest.mark.parametrize(
+    ("gate", "found"),
+    [
+        ({}, "is not given"),
+        ({"gate": {"min_goals_reached": 0.9}}, "found {'min_goals_reached': 0.9}"),
+    ],
+)
+def test_without_a_risk_to_stop_at_it_is_refused(
+    write_level: WriteLevel, gate: dict[str, object], found: str
+) -> None:
     with pytest.raises(BadInput) as caught:
         load_level(write_level(explore={"stop_when_done": True}, **gate))
     [problem] = caught.value.problems
-    assert "gate" in str(problem)
+    assert (problem.where, problem.found) == ("level.yaml: gate", found)
     assert "max_discovery_probability" in str(problem)
 
 
