@@ -26,6 +26,10 @@ GOOD_SHARE = 0.7  # of a hypothesis that is worth naming
 CLEARLY_BETTER = 0.15  # a level with symmetries takes its own mirror image nearly as well
 UNIT_SLIPS = (0.01, 100.0, 0.0254, 1 / 0.0254, 0.3048, 1 / 0.3048)
 TINY_SHARE, TINY_M = 0.1, 3.0  # a nav-mesh this small in proportion, or at all, may be in other units
+OUTSIDE_M = (
+    50.0  # of the geometry's box: nobody jumps so far, and a nav-mesh in place is at most a few cells out
+)
+ASTRAY_M = 50_000.0  # likewise: larger than any streamed world, and more than can be sampled
 NO_EXPLANATION = "no slip of units or axes explains it: export both from the same level, at the same origin"
 SIZES = (0.25, 1.5)  # of the nav-mesh in proportion to the level: a shrunken one lies on *some* floor too
 _UNIT_WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
@@ -65,14 +69,39 @@ def check_navmesh(level: Level, index: ColumnIndex) -> tuple[list[Problem], list
     if slip or share < LEAST_SHARE:
         found = f"{name} lies elsewhere than the geometry: {_separation(level, share)}"
         return [Problem(where, found, slip or NO_EXPLANATION)], [], share
+    outside, astray = _outside(level, where)
+    if astray:
+        return outside, [], share
     size, whole = _size(points), _size(level.collision.reshape(-1, 3))
     if size < TINY_SHARE * whole and (slip := _explanation(level, index, points, 0.0)):
         problem = Problem(where, f"{name} spans only {size:.2g} m of the geometry's {whole:.3g} m", slip)
-        return ([problem], [], share) if size < TINY_M else ([], [problem], share)
+        return ([problem], outside, share) if size < TINY_M else ([], [problem, *outside], share)
     if share < ODD_SHARE:
         found = f"{name}: {1 - share:.0%} of its area has no floor within {FLOOR_WITHIN_M:g} m"
-        return [], [Problem(where, found, "rebuild the nav-mesh if the geometry has changed since")], share
-    return [], [], share
+        remedy = "rebuild the nav-mesh if the geometry has changed since"
+        return [], [Problem(where, found, remedy), *outside], share
+    return [], outside, share
+
+
+def _outside(level: Level, where: str) -> tuple[list[Problem], bool]:
+    """Triangles far outside of the geometry's box, and whether some are so far that nothing can be done with them.
+
+    Samples by area miss them where they are small or thin.
+    """
+    low, high = _box(level.collision.reshape(-1, 3))
+    corners = level.navmesh.triangles
+    away = np.maximum(low - corners, corners - high).max(axis=(1, 2))
+    far = np.flatnonzero(away > OUTSIDE_M)
+    if not len(far):
+        return [], False
+    worst = int(np.argmax(away))
+    place = corners[worst][np.maximum(low - corners[worst], corners[worst] - high).max(axis=1).argmax()]
+    found = (
+        f"{level.navmesh.file}: {len(far):,} of {len(corners):,} triangles lie outside of the geometry's box"
+    )
+    found += f" by more than {OUTSIDE_M:g} m, the farthest at {_show_point(place)} [m, z up]"
+    remedy = "remove them from the nav-mesh, or add the geometry that they lie on"
+    return [Problem(where, found, remedy)], bool(away[worst] > ASTRAY_M)
 
 
 def _sample(triangles: Floats) -> Floats:
@@ -106,7 +135,11 @@ def _box(points: Floats) -> tuple[Floats, Floats]:
 
 
 def _show(box: tuple[Floats, Floats]) -> str:
-    return " to ".join("(" + ", ".join(f"{value:.3g}" for value in corner) + ")" for corner in box)
+    return " to ".join(_show_point(corner) for corner in box)
+
+
+def _show_point(point: Floats) -> str:
+    return "(" + ", ".join(f"{value:.3g}" for value in point) + ")"
 
 
 def _explanation(level: Level, index: ColumnIndex, points: Floats, share: float) -> str:

@@ -155,6 +155,25 @@ def test_navmesh_partly_off_the_geometry_is_a_warning(write_level: WriteLevel) -
     assert "of its area has no floor" in check.warnings[0].found
 
 
+@pytest.mark.parametrize(("x", "words"), [(300, "(300, 0, 0)"), (9e6, "(9e+06, 0, 0)"), (60, None)])
+def test_a_thin_triangle_that_leads_far_away_is_named(
+    write_level: WriteLevel, x: float, words: str | None
+) -> None:
+    path = nav_level(write_level, lambda x, y, z: (x, y, z))
+    moved = path.parent / "moved.obj"
+    moved.write_text(f"{moved.read_text()}\nv 1 0 0\nv {x} 0 0\nv 1 0.000003 0\nf 9 10 11\n")
+    if x > 50_000:
+        found = only_problem(path)[1]
+    else:
+        check = check_level(load_level(path))
+        found = " ".join(warning.found for warning in check.warnings)
+    if words is None:
+        assert found == ""
+    else:
+        assert "1 of 5 triangles lie outside of the geometry's box" in found
+        assert words in found
+
+
 def test_tiny_level_proposes_its_unit(write_level: WriteLevel) -> None:
     small = {"box": {"center": [0, 0, -0.5], "size": [40, 30, 1]}}
     who = {"preset": "unreal", "radius_m": 0.05, "height_m": 0.1, "walk_speed_mps": 1, "jump_speed_mps": 1}
