@@ -52,10 +52,10 @@ class Unreadable(Exception):
         super().__init__(found)
 
 
-def several(mistakes: Sequence[str]) -> str:
-    """All mistakes of a file in one sentence, or the first few and how many more there are."""
-    shown = "; ".join(mistakes[:MOST_SHOWN])
-    return shown + (f"; and {len(mistakes) - MOST_SHOWN:,} more" if len(mistakes) > MOST_SHOWN else "")
+def several(mistakes: Sequence[str], count: int | None = None) -> str:
+    """All mistakes of a file in one sentence, or the first few of `count` and how many more there are."""
+    more = (len(mistakes) if count is None else count) - MOST_SHOWN
+    return "; ".join(mistakes[:MOST_SHOWN]) + (f"; and {more:,} more" if more > 0 else "")
 
 
 def read_scene(data: bytes, path: Path, file_type: str, **options: Any) -> list[Piece]:

@@ -98,7 +98,11 @@ def test_faces_out_of_range_glb(write_level: WriteLevel) -> None:
 @pytest.mark.parametrize(
     ("face", "word"),
     [
-        ("f 1 2 9", "cannot be read"),
+        ("f 1 2 9", "line 8 is 'f 1 2 9'"),
+        ("f 1 2/1/1 9/1/1", "line 8 is 'f 1 2/1/1 9/1/1'"),
+        ("f 1 2 9223372036854775807", "line 8 is"),
+        ("f -1 -2 -9", "line 8 is"),
+        ("f 1 2 three", "line 8 is 'f 1 2 three'"),
         ("f 0 1 2", "vertex number 0 in line 8"),
         ("f 1 2", "fewer than 3 corners"),
     ],
@@ -107,6 +111,50 @@ def test_faces_out_of_range_obj(write_level: WriteLevel, face: str, word: str) -
     _, found, _ = only_problem(with_mesh(write_level, "a.obj", f"{NAV_OBJ}{face}\n"))
     assert "a.obj" in found
     assert word in found
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "v 1 0",
+        "v",
+        "v 1 abc 0",
+        "v nan 0 0",
+        "v 1 0 -inf",
+        "v 1,5 0 0",
+        "v 1 2 3 red",
+        " v 1 2 3",
+        "v 1. .5 e3",
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_vertices_that_are_not_three_numbers_are_named_by_line_all_at_once(
+    write_level: WriteLevel, line: str, end: str
+) -> None:
+    text = f"{NAV_OBJ}{line}\n".replace("\n", end)
+    _, found, remedy = only_problem(with_mesh(write_level, "a.obj", text + "# more\n" + f"{line}\n" * 9))
+    assert f"line 8 is '{line.strip()}'; line 10 is" in found
+    assert found.endswith("and 5 more")
+    assert "three finite numbers" in remedy
+
+
+def test_every_way_to_write_a_vertex_is_read(write_level: WriteLevel) -> None:
+    vertices = ["v\t-9\t-9  +0.0", "v 9. -9 -.0e+0 1.0", "v 9E0 9 0 0.5 0.5 0.5 ", "v -9 \\\n9 0"]
+    text = "\ufeff" + "\r\n".join(vertices) + "\nf\t1 2\t3\nf 1 3 \\\n4\n"
+    level = load_level(with_mesh(write_level, "a.obj", text))
+    assert np.abs(level.collision[12:, :, :2]).tolist() == np.full((2, 3, 2), 9.0).tolist()
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"v 1 \0 3", "a NUL at byte 4"),
+        (b"v 1 2 3\no h\xfctte\n", "byte 0xfc in line 2"),
+        (bytes(range(1, 255)), "0x80"),
+    ],
+)
+def test_obj_that_is_no_text(write_level: WriteLevel, data: bytes, words: str) -> None:
+    assert words in only_problem(with_mesh(write_level, "a.obj", data))[1]
 
 
 def test_relative_numbers_before_more_vertices_would_be_misread(write_level: WriteLevel) -> None:
