@@ -96,7 +96,7 @@ def read_mesh(
     path = folder / name
     suffix = path.suffix.lower()
     with guarded(name, where):
-        data = path.read_bytes()
+        data = read_bytes(path)
         pieces = readers[suffix](data, path)
     attached = _attached(data, path, pieces)
     up_axis = spec.up_axis or FORMAT_UP_AXIS.get(suffix, frame.up_axis)
@@ -118,6 +118,13 @@ def guarded(name: str, where: str) -> Iterator[None]:
         found = f"{name} cannot be read: {type(error).__name__}: {error}".rstrip(": ")
         remedy = "the file is damaged or cut off: export it again and check that it opens elsewhere"
         raise BadInput([Problem(f"{where}.mesh", found, remedy)]) from error
+
+
+def read_bytes(path: Path) -> bytes:
+    """What a file holds. Raises Unreadable where that is nothing."""
+    if data := path.read_bytes():
+        return data
+    raise Unreadable("is empty: 0 bytes", "export or copy it again")
 
 
 def placed(

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from reachtest.errors import BadInput, Problem
-from reachtest.levels.meshes import Mesh, degenerate, file_problem, guarded, placed
+from reachtest.levels.meshes import Mesh, degenerate, file_problem, guarded, placed, read_bytes
 from reachtest.levels.navmesh_formats import AUTO, NAVMESH_FORMATS, NAVMESH_SUFFIXES, NavFormat, format_of
 from reachtest.levels.scene import NavFile
 from reachtest.levels.schema import FrameSpec, NavMeshSpec
@@ -33,7 +33,7 @@ def read_navmesh(spec: NavMeshSpec, folder: Path, frame: FrameSpec, where: str) 
         raise BadInput([Problem(f"{where}.mesh", *problem)])
     path = folder / name
     with guarded(name, where):
-        data = path.read_bytes()
+        data = read_bytes(path)
         kind = _format(spec, data, path, where)
         file = kind.read(data, path)
         attached = b"".join(other.read_bytes() for other in kind.attached(data, path))
@@ -51,7 +51,7 @@ def read_navmesh_file(file: Path, **keys: Any) -> NavMesh:
     """
     given = {key: value for key, value in keys.items() if value is not None}
     try:
-        spec = NavMeshSpec.model_validate({"mesh": file.name, **given})
+        spec = NavMeshSpec.model_validate({"mesh": file.name or str(file), **given})
     except ValidationError as error:
         raise BadInput(
             [

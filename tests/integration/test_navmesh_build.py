@@ -169,6 +169,8 @@ def test_the_built_file_can_be_named_in_the_same_level_file(name: str, tmp_path:
     read = load_level(file).navmesh
     built = load_level(yard(tmp_path, "{build: {}}")).navmesh
     assert area(read) == pytest.approx(area(built), rel=1e-4)
+    if name == "nav.obj":
+        assert vars(read.agent) == pytest.approx(vars(built.agent))
     assert area(read) == pytest.approx(19**2, rel=0.1)
     points = [[-9.3, -9.3, 0], [9.3, 9.3, 0], [5, 0, 1]]
     assert SurfaceIndex(read.triangles, 1.0).distance(np.array(points, dtype=float)).max() < 0.1

@@ -223,3 +223,11 @@ def test_info_of_what_is_no_navmesh_is_bad_input(tmp_path: Path, arguments: tupl
     done = info(tmp_path / "nav.bin", *arguments)
     assert done.returncode == 2
     assert "problem" in done.stderr
+
+
+def test_info_of_a_folder_and_of_an_empty_file(tmp_path: Path) -> None:
+    (tmp_path / "nav.bin").touch()
+    with pytest.raises(BadInput, match=r"nav\.bin is empty"):
+        read_navmesh_file(tmp_path / "nav.bin")
+    with pytest.raises(BadInput, match=r"\. is not a file; name the mesh file itself"):
+        read_navmesh_file(Path("."))
