@@ -5,7 +5,6 @@ Shape legend: N sample points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby, product
 
 import numpy as np
@@ -13,8 +12,7 @@ import numpy as np
 from reachtest.errors import Problem
 from reachtest.geometry import ColumnIndex, triangle_normals
 from reachtest.levels.built_navmesh import TURNED_OVER
-from reachtest.levels.frames import UP_AXES, unit_name
-from reachtest.levels.reading import ReadLevel
+from reachtest.levels.navmesh_slips import slips
 from reachtest.navmesh.build import BUILT, BUILT_BOTH, turned_over
 from reachtest.records import Floats, Level
 
@@ -24,7 +22,7 @@ LEAST_SHARE = 0.5  # below it the nav-mesh is some other level's, or lies elsewh
 ODD_SHARE = 0.9
 GOOD_SHARE = 0.7  # of a hypothesis that is worth naming
 CLEARLY_BETTER = 0.15  # a level with symmetries takes its own mirror image nearly as well
-UNIT_SLIPS = (0.01, 100.0, 0.0254, 1 / 0.0254, 0.3048, 1 / 0.3048)
+KEY_FIRST = 0.05  # likewise as well as turned round: then rather what a key puts right
 TINY_SHARE, TINY_M = 0.1, 3.0  # a nav-mesh this small in proportion, or at all, may be in other units
 OUTSIDE_M = (
     50.0  # of the geometry's box: nobody jumps so far, and a nav-mesh in place is at most a few cells out
@@ -32,23 +30,6 @@ OUTSIDE_M = (
 ASTRAY_M = 50_000.0  # likewise: larger than any streamed world, and more than can be sampled
 NO_EXPLANATION = "no slip of units or axes explains it: export both from the same level, at the same origin"
 SIZES = (0.25, 1.5)  # of the nav-mesh in proportion to the level: a shrunken one lies on *some* floor too
-_UNIT_WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
-
-
-@dataclass(frozen=True)
-class _Slip:
-    """One way to misread a mesh: what turns its level coordinates right, what it is, and what to write."""
-
-    matrix: Floats  # [3, 3]
-    words: tuple[str, ...] = ()
-    keys: tuple[str, ...] = ()
-
-    @property
-    def keeps_size(self) -> bool:
-        return bool(np.isclose(abs(np.linalg.det(self.matrix)), 1.0))
-
-    def then(self, other: _Slip) -> _Slip:
-        return _Slip(other.matrix @ self.matrix, self.words + other.words, self.keys + other.keys)
 
 
 def check_navmesh(level: Level, index: ColumnIndex) -> tuple[list[Problem], list[Problem], float]:
@@ -68,7 +49,11 @@ def check_navmesh(level: Level, index: ColumnIndex) -> tuple[list[Problem], list
     slip = _explanation(level, index, points, share) if share < ODD_SHARE else ""
     if slip or share < LEAST_SHARE:
         found = f"{name} lies elsewhere than the geometry: {_separation(level, share)}"
-        return [Problem(where, found, slip or NO_EXPLANATION)], [], share
+        return (
+            [Problem(where, found, slip or NO_EXPLANATION + _moved(level, index, points, share))],
+            [],
+            share,
+        )
     outside, astray = _outside(level, where)
     if astray:
         return outside, [], share
@@ -148,13 +133,37 @@ def _explanation(level: Level, index: ColumnIndex, points: Floats, share: float)
     Where the nav-mesh lies on the geometry by half and more, its unit is right: a shrunken one fits anything.
     """
     size = _size(level.collision.reshape(-1, 3))
-    tried = [slip for slip in _slips(level) if share < LEAST_SHARE or slip.keeps_size]
-    for _, slips in groupby(tried, key=lambda slip: len(slip.keys)):
-        fits = [(_fit(index, points @ slip.matrix.T, size), slip) for slip in slips]
+    tried = [slip for slip in slips(level) if share < LEAST_SHARE or slip.keeps_size]
+    for _, alike in groupby(tried, key=lambda slip: slip.cost):
+        fits = [
+            (_fit(index, points @ slip.matrix.T, size) - KEY_FIRST * bool(slip.export), slip)
+            for slip in alike
+        ]
         fit, best = max(fits, key=lambda pair: pair[0])
         if fit > share + CLEARLY_BETTER:
-            return f"it looks like {' and '.join(best.words)}: write {' and '.join(best.keys)}"
+            return best.remedy
     return ""
+
+
+def _moved(level: Level, index: ColumnIndex, points: Floats, share: float) -> str:
+    """The offset between the two boxes that lays the nav-mesh on the geometry; empty if none beats `share` clearly."""
+    nav, geometry = _box(level.navmesh.vertices), _box(level.collision.reshape(-1, 3))
+    low, high = geometry[0] - nav[0], geometry[1] - nav[1]
+    each = [
+        np.array(offset) for offset in product(*zip(low, (low + high) / 2, high, np.zeros(3), strict=True))
+    ]
+    shares = [_floor_share(index, points + offset) for offset in each]
+    best = int(np.argmax(shares))
+    if shares[best] < max(GOOD_SHARE, share + CLEARLY_BETTER):
+        return ""
+    there = points + each[best]
+    floor, _ = index.highest(there, 2 * FLOOR_WITHIN_M, 2 * FLOOR_WITHIN_M)
+    offset = each[best] + [
+        0.0,
+        0.0,
+        np.nanmedian(floor - there[:, 2]),
+    ]  # boxes have no floors in their corners
+    return f"; moved by about {_show_point(offset.round(1) + 0.0)} m (z up) it lies on the geometry"
 
 
 def _fit(index: ColumnIndex, points: Floats, size: float) -> float:
@@ -168,26 +177,3 @@ def _fit(index: ColumnIndex, points: Floats, size: float) -> float:
 def _size(points: Floats) -> float:
     low, high = _box(points)
     return float(np.linalg.norm((high - low)[:2]))
-
-
-def _slips(level: Level) -> list[_Slip]:
-    """Ways to misread the nav-mesh, the simple ones first."""
-    reading = level.reading if isinstance(level, ReadLevel) else None
-    frame, scale = (reading.navmesh_frame, reading.navmesh_scale) if reading else (level.frame, 1.0)
-    none = _Slip(np.eye(3))
-    other = "z" if frame.up_axis == "y" else "y"
-    upright = np.array(UP_AXES["y"], dtype=np.float64)
-    turned = _Slip(upright if other == "y" else upright.T, (f"{other} up",), (f"navmesh.up_axis: {other}",))
-    flip = str(np.linalg.det(frame.matrix) > 0).lower()
-    mirrored = _Slip(np.diag([-1.0, 1.0, 1.0]), ("mirrored x",), (f"navmesh.flip_x: {flip}",))
-    scaled = [_scaled(float(np.linalg.norm(frame.matrix[:, 0])), factor, scale) for factor in UNIT_SLIPS]
-    every = product([none, *scaled], [none, turned], [none, mirrored])
-    slips = [unit.then(turn).then(mirror) for unit, turn, mirror in every]
-    return sorted((slip for slip in slips if slip.keys), key=lambda slip: len(slip.keys))
-
-
-def _scaled(now_m: float, factor: float, scale: float) -> _Slip:
-    unit = unit_name(now_m * factor)
-    keys = (f"navmesh.units: {unit}",) + (("navmesh.scale: 1",) if scale != 1 else ())
-    words = f"{_UNIT_WORDS.get(unit, f'units of {unit} m')} (scale {factor:.4g})"
-    return _Slip(np.eye(3) * factor, (words,), keys)

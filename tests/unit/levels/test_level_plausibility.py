@@ -147,6 +147,23 @@ def test_navmesh_of_another_place_blames_no_unit(write_level: WriteLevel) -> Non
     _, found, remedy = only_problem(nav_level(write_level, lambda x, y, z: (x + 400, y, z)))
     assert "do not touch" in found
     assert "no slip of units or axes" in remedy
+    assert "moved by about (-400, 0, 0) m" in remedy
+
+
+def test_navmesh_of_another_level_is_not_said_to_be_moved(write_level: WriteLevel) -> None:
+    _, _, remedy = only_problem(nav_level(write_level, lambda x, y, z: (x + 400, y, 4 * z + x + y)))
+    assert "no slip of units or axes" in remedy
+    assert "moved" not in remedy
+
+
+@pytest.mark.parametrize("up_axis", ["y", "z"])
+def test_y_and_z_exchanged_without_a_sign(write_level: WriteLevel, up_axis: str) -> None:
+    path = nav_level(write_level, lambda x, y, z: (x, z, y), up_axis=up_axis)
+    assert "y and z exchanged without a change of sign: export (x, y, z) as" in only_problem(path)[2]
+    path = nav_level(write_level, lambda x, y, z: (100 * x, 100 * z, 100 * y), up_axis=up_axis)
+    remedy = only_problem(path)[2]
+    assert "exchanged" in remedy
+    assert "navmesh.units: cm" in remedy
 
 
 def test_navmesh_partly_off_the_geometry_is_a_warning(write_level: WriteLevel) -> None:
