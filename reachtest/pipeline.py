@@ -24,7 +24,7 @@ from reachtest.navmesh.allowed import expected_surface
 from reachtest.navmesh.islands import Islands
 from reachtest.navmesh.survey import Survey
 from reachtest.records import Level, Report, StopReason
-from reachtest.replaying.state import write_state
+from reachtest.replaying.keep import write_state
 from reachtest.report import build_document
 from reachtest.report.write import write_coverage, write_reports
 from reachtest.world import SIMULATORS

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from reachtest.replaying.state import KeptFinding, State
+    from reachtest.replaying.kept import KeptFinding, State
 
 
 def replay(

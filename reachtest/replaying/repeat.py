@@ -19,8 +19,9 @@ from reachtest.interfaces import Simulator
 from reachtest.levels import load_level, named_files
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Floats, Level
+from reachtest.replaying.keep import digests
+from reachtest.replaying.kept import POCKETS, KeptFinding, Recording, State, outcome_of
 from reachtest.replaying.sections import differences, printable
-from reachtest.replaying.state import POCKETS, KeptFinding, Recording, State, digests, outcome_of
 from reachtest.world import SIMULATORS
 
 ATTEMPTS = 32  # to get there on a changed level: acting on what is seen, and with other actions around

@@ -10,8 +10,9 @@ import pytest
 
 from reachtest.confirm.confirmer import Confirmer
 from reachtest.records import Level, Spawn
+from reachtest.replaying.keep import write_state
 from reachtest.replaying.repeat import Repeated, repeat
-from reachtest.replaying.state import read_state, write_state
+from reachtest.replaying.state import read_state
 from reachtest.surface import SurfaceIndex
 from reachtest.world import MujocoSimulator
 from tests.levels import EAST, STILL, box, level

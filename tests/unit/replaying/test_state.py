@@ -14,7 +14,9 @@ import pytest
 
 from reachtest.confirm.outcome import Judge
 from reachtest.errors import BadInput
-from reachtest.replaying.state import STATE_FILE, read_state, write_state
+from reachtest.replaying.keep import write_state
+from reachtest.replaying.kept import STATE_FILE
+from reachtest.replaying.state import read_state
 from reachtest.surface import SurfaceIndex
 from tests.unit.report.make import make_finding, make_level, make_path
 
