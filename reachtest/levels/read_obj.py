@@ -19,7 +19,7 @@ _BAD_VERTEX = re.compile(
     rb"^[ \t]*+v(?=[ \t\r\n])(?!(?<=^v)(?: ++" + _NUMBER + rb"){3,}+[ \r]*$)[^\n]*+(?<!\\)(?<!\\\r)$",
     re.MULTILINE,
 )
-_CORNER = re.compile(rb"[ \t](-?\d++)")
+_CORNER = re.compile(rb"[ \t](-?\d++)(?:/-?\d*+){0,2}(?=[\s\\]|$)")
 _FACE_LINE = re.compile(rb"^f[ \t][^\n]*+", re.MULTILINE)
 _RELATIVE = re.compile(rb"^f(?:[ \t]+\S+)*?[ \t]+-\d", re.MULTILINE)
 

@@ -62,7 +62,10 @@ def read_scene(data: bytes, path: Path, file_type: str, **options: Any) -> list[
     """Every node with triangles that trimesh finds, with the nodes' transforms applied."""
     import trimesh
 
-    with warnings.catch_warnings():
+    with (
+        warnings.catch_warnings(),
+        np.errstate(all="ignore"),
+    ):  # infinite vertices are reported later, by number
         # numpy stops at the first word that is no number and merely warns: half a mesh would pass.
         warnings.filterwarnings("error", message=".*could not be read to its end.*")
         scene = trimesh.load_scene(
@@ -97,7 +100,7 @@ def _placed(mesh: Any, matrix: Floats) -> tuple[Floats, Ints]:
     faces = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = faces[:, ::-1]  # a mirrored node turns its faces inside out
-    with np.errstate(invalid="ignore"):  # infinite vertices are reported later, by number
+    with np.errstate(invalid="ignore", over="ignore"):  # likewise
         return np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3], faces
 
 

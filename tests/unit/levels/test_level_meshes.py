@@ -103,6 +103,7 @@ def test_faces_out_of_range_glb(write_level: WriteLevel) -> None:
         ("f 1 2 9223372036854775807", "line 8 is"),
         ("f -1 -2 -9", "line 8 is"),
         ("f 1 2 three", "line 8 is 'f 1 2 three'"),
+        ("f 1 2x 3", "line 8 is 'f 1 2x 3'"),
         ("f 0 1 2", "vertex number 0 in line 8"),
         ("f 1 2", "fewer than 3 corners"),
     ],
