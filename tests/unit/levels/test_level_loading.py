@@ -152,9 +152,9 @@ def test_capsule_that_fits_the_defaults() -> None:
 @pytest.mark.parametrize(
     ("explore", "lanes"),
     [
-        ({"steps": 1_999_999}, 128),
-        ({"steps": 2_000_000}, 256),
-        ({"steps": 2_000_000, "episodes_at_once": 3}, 48),
+        ({"steps": 999_999}, 128),
+        ({"steps": 1_000_000}, 256),
+        ({"steps": 1_000_000, "episodes_at_once": 3}, 48),
     ],
 )
 def test_long_runs_simulate_more_episodes_side_by_side(
