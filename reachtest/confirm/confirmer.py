@@ -104,11 +104,14 @@ class Confirmer:
     def _elsewhere(self, finding: Finding, confirmed: _Confirmed, count: int) -> tuple[Finding, _Confirmed]:
         """The finding by another part of its edge, where half the step shows it there and not where it was shown."""
         way, exact, half, nearby = confirmed
-        for fall in finding.others if not half[1] and self._path_to is not None else ():
-            assert self._path_to is not None
+        path_to = self._path_to
+        if path_to is None or half[1]:
+            return finding, confirmed
+        for fall in finding.others:
             exit_point = None if np.isnan(fall.exit_point).any() else fall.exit_point
-            path = self._path_to(fall)
-            other = dataclasses.replace(finding, path=path, position=fall.footing, exit_point=exit_point)
+            other = dataclasses.replace(
+                finding, path=path_to(fall), position=fall.footing, exit_point=exit_point
+            )
             if found := self._way(other):
                 ((again, came_out, more, around),) = self._confirmed([found], affordable([found]), count)
                 half = half[0] + more[0], more[1]

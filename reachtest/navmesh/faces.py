@@ -46,7 +46,7 @@ class FaceIndex:
             settled = np.bincount(row, weights=column) > 0
             beside = np.flatnonzero(~settled[row])
             near = point_triangle_distance(points[beside], triangles[beside])
-            cost, gap = cost.copy(), gap.copy()
+            cost = gap.copy()
             cost[beside], gap[beside] = np.where(near <= self._reach, down_m + up_m + near, np.inf), near
         return cost, gap
 

@@ -63,11 +63,8 @@ class Template:
         for number, field in enumerate(fields):  # the compiler would stretch them
             begin = self._model.hfield_adr[number]
             self._model.hfield_data[begin : begin + field.heights.size] = _shares(field).ravel()
-        self._model.mesh_graphadr[
-            :
-        ] = (
-            -1
-        )  # every corner is asked: for eight that is no slower than a walk over a hull, for more it is rare
+        # Every corner is asked: for eight that is no slower than a walk over a hull, and more are rare.
+        self._model.mesh_graphadr[:] = -1
 
     def fill(self, pieces: Pieces) -> mujoco.MjModel:
         """A model with `pieces`, at most `capacity`; the slots that are left over lie out of everybody's reach."""
