@@ -112,17 +112,22 @@ def lacking(exploration: Exploration, counts: Bools, areas_too: bool = True) -> 
 def steps_to_go(exploration: Exploration, counts: Bools) -> int | None:
     """An estimate of how many more agent steps it takes to reach the goals that count [G], or to give up on them.
 
-    As long as goals were reached in the last third of the run, at that rate; and at least what the directed
-    attempts take that are still to be made. None without an idea.
+    As long as goals were reached in the last third of the run, each is taken to be reached at the same chance a step
+    from now on, so that the last one of k takes 1 + 1/2 + ... + 1/k times as long as one (the mean of the largest of k
+    exponential variables); after that, what the directed attempts take that are still to be made. None without an idea.
     """
     s = exploration.settings
     times = exploration.goal_step[counts]
     left, late = int((times < 0).sum()), int((times > exploration.agent_steps * 2 / 3).sum())
-    at_rate = left * exploration.agent_steps / 3 / late if late else 0.0
-    tries = [attempts_at(exploration, area) for area in open_areas(exploration, counts)]
     missed = np.flatnonzero(exploration.required_step < 0).tolist()
-    tries += [attempts_at_required(exploration, i) for i in missed if is_connected(exploration, i)]
+    tries = [attempts_at_required(exploration, i) for i in missed if is_connected(exploration, i)]
+    to_reach = 0.0
+    if late:
+        one = left * exploration.agent_steps / 3 / late
+        to_reach = one * float((1.0 / np.arange(1, left + 1)).sum())
+    else:
+        tries += [attempts_at(exploration, area) for area in open_areas(exploration, counts)]
     short = sum(max(0, s.effort - done) for done in tries)
     attempts = short / s.directed_at_goals * s.reset_interval if s.directed else 0.0
-    digits = -3 if max(at_rate, attempts) > 10_000 else 0
-    return int(round(max(at_rate, attempts), digits)) or None
+    most = max(to_reach, attempts)
+    return int(round(most, -3 if most > 10_000 else 0)) or None

@@ -121,7 +121,21 @@ def test_no_effort_asked_for_is_enough_effort() -> None:
 def test_the_estimate_goes_by_the_goals_reached_lately_and_by_the_attempts_to_make() -> None:
     everything = np.ones(4, dtype=bool)
     tried = after([0, 64, 64, 0])  # one goal in the last third of 1,000 steps, two to go
-    assert steps_to_go(tried, everything) == round(2 * 1000 / 3)
-    untried = after([0, 0, 0, 0])  # 64 attempts of 32 steps by a quarter of the lanes
+    assert steps_to_go(tried, everything) == 1000  # one of the two takes 667, both 1 + 1/2 times as long
+    untried = replace(after([0, 0, 0, 0]), goal_step=np.array([5, -1, -1, 6]))  # 64 attempts of 32 steps
     assert steps_to_go(untried, everything) == round(64 * 32 / ExploreSettings().directed_at_goals, -3)
     assert steps_to_go(replace(tried, goal_step=np.array([5, -1, -1, 6])), everything) is None
+
+
+def test_the_estimate_is_right_where_every_goal_is_as_likely_at_every_step() -> None:
+    rng = np.random.default_rng(0)
+    ratios = []
+    for _ in range(200):
+        times = np.sort(rng.exponential(10_000, 100).astype(int))
+        steps = int(times[60])  # 39 are left
+        seen = np.where(times <= steps, times, -1)
+        run = replace(after([0] * 4), goals=np.zeros((100, 3)), goal_step=seen, agent_steps=steps)
+        estimate = steps_to_go(run, np.ones(100, dtype=bool))
+        assert estimate is not None
+        ratios.append(estimate / (times[-1] - steps))
+    assert 0.8 < np.median(ratios) < 1.25
