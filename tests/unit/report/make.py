@@ -34,7 +34,7 @@ PASS = Verdict("pass", 0, "nothing that gates was found")
 FAIL = Verdict("fail", 1, "2 findings that gate: 1 fell out of world, 1 unexpected area")
 INCONCLUSIVE = Verdict("inconclusive", 4, "only 2 of 3 goals were reached (100 % wanted)")
 LONG = Verdict(
-    "inconclusive", 4, f"{'so much was not explored; ' * 12}likely to take 50,000 more steps", 50_000
+    "inconclusive", 4, f"{'so much was not explored; ' * 12}likely to take 523,000 more steps", 523_000
 )
 
 Y_UP_CM = Frame(0.01 * np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]), "y", "cm")
