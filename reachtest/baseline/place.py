@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,11 @@ class Place:
         if exits is None:
             exits = np.empty((0, 3)) if finding.exit_point is None else finding.exit_point[None]
         return cls(finding.id, finding.kind, finding.low, finding.high, exits)
+
+    def joined(self, other: Place) -> Place:
+        """Both places of one bug together."""
+        low, high = np.minimum(self.low, other.low), np.maximum(self.high, other.high)
+        return replace(self, low=low, high=high, exits=np.concatenate([self.exits, other.exits]))
 
 
 def gap_m(found: Place, known: Place) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from reachtest import pipeline
-from reachtest.baseline.place import Place, match
+from reachtest.baseline.place import CLOSE_M, Place, gap_m, match
 from reachtest.bench.truth import PlantedBug, planted_bugs
 from reachtest.records import Finding, Floats
 
@@ -94,22 +94,50 @@ def _run(path: Path, steps: int | None, seed: int, threads: int) -> tuple[str, t
 
 
 def same_bugs(found: Sequence[Sequence[Finding]], to_source: Callable[[Floats], Floats]) -> tuple[Bug, ...]:
-    """The findings of each seed, matched by place: every bug, and which seeds saw it."""
-    first: list[Finding] = []
-    seen: list[list[int]] = []
+    """The findings of each seed, matched by place: every bug, and which seeds saw it.
+
+    A bug is where any seed saw it. Seeds fall off one rim at different places: they agree as soon as the places of all
+    of them together are as close as those of one bug in one run are.
+    """
+    seen: list[_Seen] = []
     for seed, findings in enumerate(found):
-        known = match([Place.of(f) for f in findings], [Place.of(f) for f in first])
-        for finding, which in zip(findings, known, strict=True):
+        places = [Place.of(finding) for finding in findings]
+        known = match(places, [bug.place for bug in seen])
+        for finding, place, which in zip(findings, places, known, strict=True):
+            mine = _Seen(finding, place, frozenset({seed}))
             if which is None:
-                first.append(finding)
-                seen.append([seed])
-            elif seed not in seen[which]:
-                seen[which].append(seed)
-    bugs = [
-        Bug(finding.kind, finding.title, finding.gating, _point(to_source(finding.position)), tuple(seeds))
-        for finding, seeds in zip(first, seen, strict=True)
-    ]
+                seen.append(mine)
+            else:
+                seen[which] = seen[which].joined(mine)
+    bugs = [bug.told(to_source) for bug in _joined(seen)]
     return tuple(sorted(bugs, key=lambda bug: (-len(bug.seeds), not bug.gating)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """A bug while seeds are gone through."""
+
+    first: Finding
+    place: Place  # all the places where it was seen
+    seeds: frozenset[int]
+
+    def joined(self, other: _Seen) -> _Seen:
+        return _Seen(self.first, self.place.joined(other.place), self.seeds | other.seeds)
+
+    def told(self, to_source: Callable[[Floats], Floats]) -> Bug:
+        one = self.first
+        return Bug(
+            one.kind, one.title, one.gating, _point(to_source(one.position)), tuple(sorted(self.seeds))
+        )
+
+
+def _joined(seen: Sequence[_Seen]) -> list[_Seen]:
+    """Without two that turned out to be one when more seeds were seen."""
+    apart: list[_Seen] = []
+    for bug in seen:
+        same = [other for other in apart if gap_m(bug.place, other.place) <= CLOSE_M]
+        apart = [other for other in apart if other not in same] + [reduce(_Seen.joined, [*same, bug])]
+    return apart
 
 
 def _seeds_with(bug: PlantedBug, found: Sequence[Sequence[Finding]]) -> tuple[int, ...]:

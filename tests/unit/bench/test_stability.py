@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,14 @@ def test_different_kinds_at_one_place_are_two_bugs() -> None:
 def test_a_bug_split_in_two_counts_its_seed_once() -> None:
     whole = same_bugs([[finding((0, 0, 0))], [finding((1, 0, 0)), finding((-1, 0, 0))]], Z_UP.to_source)
     assert [bug.seeds for bug in whole] == [(0, 1)]
+
+
+def test_seeds_that_fell_off_one_rim_at_different_places_agree_once_one_shows_that_it_is_one() -> None:
+    left, right = finding((0, 0, 0)), finding((12, 0, 0))
+    rim = dataclasses.replace(left, exits=np.array([[1.0, 0, 0], [6, 0, 0], [11, 0, 0]]))
+    for seeds in ([left], [right], [rim]), ([rim], [left], [right]), ([left], [rim], [right]):
+        assert [bug.seeds for bug in same_bugs(seeds, Z_UP.to_source)] == [(0, 1, 2)]
+    assert len(same_bugs([[left], [right]], Z_UP.to_source)) == 2
 
 
 def test_truth_is_read_in_the_levels_own_axes_and_for_its_own_file(tmp_path: Path) -> None:
