@@ -14,12 +14,23 @@ from reachtest.records import Bools, Floats, Ints
 _MAX_COLUMNS = 4_000_000  # keeps the dense column table of a 5 km level below 32 MB
 _MAX_MEMBERS = 1 << 25  # likewise of its entries, where many triangles span many columns: below 1 GB
 _PAIRS_AT_ONCE = 1 << 20  # bounds the memory of one vectorised pass to about 100 MB
+_REST_M = 0.02
 _SLIVER = 1e-12  # height over length: no plane at all
 
 
 def indices(mask: Bools | np.bool_) -> Ints:
     """Where `mask` [n] is true: `np.flatnonzero` without its three wrappers, for loops that call it often."""
     return np.asarray(mask).nonzero()[0]
+
+
+def at_rest(moved: Floats) -> Bools:
+    """Whether bodies that `moved` so far in each step [T, ...] [m] lie still in it: wedged in, they need not stand.
+
+    Still is who moved hardly in this step and the one before; the top of a jump is one such step at most.
+    """
+    still: Bools = np.asarray(moved < _REST_M)  # NaN is not
+    still[1:] &= still[:-1].copy()
+    return still
 
 
 def grid_surface(points: Floats) -> Floats:

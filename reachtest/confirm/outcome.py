@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from reachtest.confirm.pursuit import Route
 from reachtest.confirm.shortcut import over_navmesh
 from reachtest.confirm.trials import Trial
-from reachtest.geometry import inside_closed_surface
+from reachtest.geometry import at_rest, inside_closed_surface
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Finding, Floats, Level
 
@@ -19,7 +19,6 @@ SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a wi
 ON_MESH_M = 0.5  # "expected" reaches through walls: who went through one has to do it again
 SLACK_M = 1.0  # around the box of a finding
 IN_POCKET_M = 0.5  # of where somebody stood: less than any pit is deep, more than a landing sinks in
-REST_M = 0.02  # moved less than this in each of two steps: wedged in, it need not stand to be held
 PLACES_AT_ONCE = 32  # measured against the nav-mesh: about as dear as one
 
 
@@ -152,6 +151,5 @@ def _in_pocket(outcome: Outcome, trial: Trial) -> Bools:
 def _footings(trial: Trial) -> Floats:
     """Where [t, 3] the character stood, or lay still, in each step; NaN where it did neither."""
     moved = np.linalg.norm(np.diff(trial.positions, axis=0, prepend=trial.start[None, :3]), axis=1)
-    still = moved < REST_M
-    still[1:] &= still[:-1].copy()
-    return np.where(np.isfinite(trial.stood), trial.stood, np.where(still[:, None], trial.positions, np.nan))
+    lying = np.where(at_rest(moved)[:, None], trial.positions, np.nan)
+    return np.where(np.isfinite(trial.stood), trial.stood, lying)

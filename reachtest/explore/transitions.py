@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 
 from reachtest.explore.rollout import Trajectories
-from reachtest.geometry import pack_cells
+from reachtest.geometry import at_rest, pack_cells
 from reachtest.records import Bools, EndReason, Floats, Ints
 
 UNKNOWN = np.iinfo(np.int32).min
@@ -26,9 +26,6 @@ FLATTER = (
     2  # cells are half as high as wide: a ledge just too high to jump onto is another cell than its foot
 )
 _SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
-_REST_M = (
-    0.02  # moved less than this in each of two steps: at rest; the top of a jump is one such step at most
-)
 _TIMES = 3  # of an agent step: before it, in it, at its end
 _GROWTH = 4  # new rows are merged when there are a quarter as many: few merges, little waste
 
@@ -174,9 +171,7 @@ def _resting(rolled: Trajectories) -> Floats:
     moved = np.full(rolled.ended.shape, np.inf)
     moved[1:] = np.linalg.norm(rolled.positions[1:] - rolled.positions[:-1], axis=2)
     moved[rolled.start == np.arange(len(moved))[:, None]] = np.inf
-    still = moved < _REST_M  # NaN is not
-    still[1:] &= still[:-1].copy()
-    return np.where(still[:, :, None], rolled.positions, np.nan)
+    return np.where(at_rest(moved)[:, :, None], rolled.positions, np.nan)
 
 
 def _distinct(ends: Ints) -> Ints:

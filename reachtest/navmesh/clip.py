@@ -35,7 +35,7 @@ def across(flat: Floats, strip: Ints) -> tuple[Floats, Floats, Floats, Floats]:
         for side, x in enumerate((left, right)):
             meets = (np.minimum(a[:, 0], b[:, 0]) <= x) & (np.maximum(a[:, 0], b[:, 0]) >= x)
             run = b[:, 0] - a[:, 0]
-            y = a[:, 1] + (x - a[:, 0]) / np.where(run == 0, 1.0, run) * (b[:, 1] - a[:, 1])
+            y = a[:, 1] + (x - a[:, 0]) / np.where(np.abs(run) < STILL, 1.0, run) * (b[:, 1] - a[:, 1])
             least, most = sides[side]
             sides[side] = (
                 np.where(meets, np.minimum(least, y), least),
