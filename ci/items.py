@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.explore import Explorer
-from reachtest.geometry import ColumnIndex
 from reachtest.levels import load_level
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Character, Level, Required, Spawn

@@ -19,8 +19,8 @@ import yaml
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from reachtest.columns import ColumnIndex
 from reachtest.explore import Explorer
-from reachtest.geometry import ColumnIndex
 from reachtest.levels import load_level
 from reachtest.navmesh.allowed import expected_surface
 from reachtest.records import Exploration, Floats, Level, Points, Spawn, StepResult

@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.explore.archive import Archive
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet, sample_goals
@@ -17,7 +18,6 @@ from reachtest.explore.rollout import Trajectories
 from reachtest.explore.trails import Trails, of_parents
 from reachtest.explore.transitions import Transitions
 from reachtest.explore.visits import VisitCounts
-from reachtest.geometry import ColumnIndex
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.geometry import ColumnIndex
+from reachtest.columns import ColumnIndex
 from reachtest.records import Bools, Floats, Level
 
 _SPACING_M = 0.25

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.errors import Problem
-from reachtest.geometry import ColumnIndex, triangle_normals
+from reachtest.geometry import triangle_normals
 from reachtest.levels.check_navmesh import check_navmesh
 from reachtest.levels.check_spawns import check_spawns
 from reachtest.levels.frames import UNITS

@@ -9,8 +9,9 @@ from itertools import groupby, product
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.errors import Problem
-from reachtest.geometry import ColumnIndex, triangle_normals
+from reachtest.geometry import triangle_normals
 from reachtest.levels.built_navmesh import TURNED_OVER
 from reachtest.levels.navmesh_slips import slips
 from reachtest.navmesh.build import BUILT, BUILT_BOTH, turned_over

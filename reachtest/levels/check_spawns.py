@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.errors import Problem
-from reachtest.geometry import ColumnIndex, inside_closed_surface, point_triangle_distance, triangle_normals
+from reachtest.geometry import inside_closed_surface, point_triangle_distance, triangle_normals
 from reachtest.records import Character, Floats, Level, Spawn
 
 FLOOR_BELOW_M = 2.0  # a drop from here is a start, a longer one a mistake

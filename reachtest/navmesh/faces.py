@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.geometry import Columns, point_triangle_distance
+from reachtest.columns import Columns
+from reachtest.geometry import point_triangle_distance
 from reachtest.records import Bools, Floats, Ints
 
 _CELL_M = 2.0  # or a face, if they are larger: then each stands in a few cells

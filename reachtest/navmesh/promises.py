@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.geometry import ColumnIndex
+from reachtest.columns import ColumnIndex
 from reachtest.navmesh.islands import CLIMB_M
 from reachtest.navmesh.raster import Samples, rasterise
 from reachtest.navmesh.room import Room, Standing

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.geometry import ColumnIndex, Columns, point_triangle_distance, triangle_normals
+from reachtest.columns import ColumnIndex, Columns
+from reachtest.geometry import point_triangle_distance, triangle_normals
 from reachtest.records import Bools, Character, Floats, Ints
 
 FLOOR_UP_M = 0.3  # a nav-mesh may lie this much below the floor it stands for

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.geometry import ColumnIndex, indices
+from reachtest.columns import ColumnIndex
+from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, Ints
 from reachtest.world.controller import Contacts, Plan
 from reachtest.world.tiled_batch import TiledBatch

@@ -12,7 +12,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.geometry import ColumnIndex, indices
+from reachtest.columns import ColumnIndex
+from reachtest.geometry import indices
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts

@@ -11,12 +11,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from reachtest.geometry import (
-    ColumnIndex,
-    inside_closed_surface,
-    point_triangle_distance,
-    triangle_normals,
-)
+from reachtest.columns import ColumnIndex
+from reachtest.geometry import inside_closed_surface, point_triangle_distance, triangle_normals
 from reachtest.surface import SurfaceIndex
 
 Floats = NDArray[np.float64]

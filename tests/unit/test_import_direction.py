@@ -23,6 +23,7 @@ SHARED = {
     "reachtest.interfaces",
     "reachtest.errors",
     "reachtest.files",
+    "reachtest.columns",
     "reachtest.geometry",
     "reachtest.surface",
 }

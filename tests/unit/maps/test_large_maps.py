@@ -17,7 +17,8 @@ import yaml
 from free_space import FreeSpace
 from map_modules import MAPS, scripts, triangles_of, z_up
 
-from reachtest.geometry import ColumnIndex, triangle_normals
+from reachtest.columns import ColumnIndex
+from reachtest.geometry import triangle_normals
 from reachtest.levels import load_level
 from reachtest.surface import SurfaceIndex
 

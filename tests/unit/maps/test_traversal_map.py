@@ -12,7 +12,8 @@ import trimesh
 import yaml
 from map_modules import MAPS, scripts, triangles_of, z_up
 
-from reachtest.geometry import ColumnIndex, triangle_normals
+from reachtest.columns import ColumnIndex
+from reachtest.geometry import triangle_normals
 from reachtest.levels import load_level
 from reachtest.surface import SurfaceIndex
 
