@@ -5,7 +5,8 @@ files it names), `load` (how it becomes a `Level`), `check` (whether that level 
 """
 
 from reachtest.levels.check import Check, check_level
-from reachtest.levels.load import load_level, named_files
+from reachtest.levels.files import named_files
+from reachtest.levels.load import load_level
 from reachtest.levels.meshes import MESH_READERS
 from reachtest.levels.navmesh_formats import NAVMESH_FORMATS
 from reachtest.levels.presets import PRESETS

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,15 +18,9 @@ from reachtest.levels.build import build_primitive
 from reachtest.levels.built_navmesh import built_navmesh
 from reachtest.levels.check import check_level
 from reachtest.levels.document import merge, parse, read_yaml
+from reachtest.levels.files import missing_files
 from reachtest.levels.frames import make_frame
-from reachtest.levels.meshes import (
-    MESH_READERS,
-    degenerate,
-    file_problem,
-    read_mesh,
-)
-from reachtest.levels.navmesh_formats import NAVMESH_SUFFIXES
-from reachtest.levels.primitives import PRIMITIVES
+from reachtest.levels.meshes import MESH_READERS, degenerate, read_mesh
 from reachtest.levels.read_navmesh import NavMeshFile, read_navmesh
 from reachtest.levels.reading import Reading, ReadLevel
 from reachtest.levels.scene import Piece
@@ -60,52 +55,19 @@ def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
     """
     path = Path(path)
     given = overrides or {}
-    document, data = read_yaml(path)
+    document, _ = read_yaml(path)
     document = merge(document, given)
     spec, problems = parse(document, path.name, given)
     if spec is None:
-        raise BadInput(problems + list(_missing_files(document, path)), path)
+        raise BadInput(problems + list(missing_files(document, path)), path)
     builder = _Builder(spec, path)
     builder.read()
     if builder.collision_known:
-        level = builder.level(data)
+        level = builder.level()
         builder.problems += check_level(level).problems
     if builder.problems or not builder.collision_known:
         raise BadInput(builder.problems, path)
     return level
-
-
-def named_files(path: Path) -> dict[str, Path]:
-    """The level file and every file it names, by the name it goes by there. Raises BadInput."""
-    document, _ = read_yaml(path)
-    names = [name for _, name, *_ in _file_keys(document) if isinstance(name, str) and name]
-    return {path.name: path} | {name: path.parent / name for name in names}
-
-
-def _missing_files(document: Mapping[str, Any], path: Path) -> Iterator[Problem]:
-    """The files that a document with other mistakes names in vain."""
-    for where, name, types, what_for in _file_keys(document):
-        if not isinstance(name, str) or not name:
-            continue
-        typed = types is not NAVMESH_SUFFIXES  # a nav-mesh's content says what it is
-        if bad := file_problem(name, path.parent, types, what_for, typed):
-            yield Problem(f"{path.name}: {where}", *bad)
-
-
-def _file_keys(document: Mapping[str, Any]) -> Iterator[tuple[str, Any, Collection[str], str]]:
-    """Every key that names a file, with its value, the types the file may have, and what it is for."""
-    geometry = document.get("geometry")
-    for index, item in enumerate(geometry if isinstance(geometry, list) else []):
-        yield f"geometry[{index}].mesh", _get(item, "mesh"), MESH_READERS, "mesh"
-        for kind, primitive in PRIMITIVES.items():
-            name = _get(_get(item, kind), "file")
-            if primitive.files:
-                yield f"geometry[{index}].{kind}.file", name, primitive.files, kind
-    yield "navmesh.mesh", _get(document.get("navmesh"), "mesh"), NAVMESH_SUFFIXES, "mesh"
-
-
-def _get(value: Any, key: str) -> Any:
-    return value.get(key) if isinstance(value, dict) else None
 
 
 @dataclass
@@ -181,7 +143,7 @@ class _Builder:
             self.solids += solids
             self.problems += problems
 
-    def level(self, data: bytes) -> ReadLevel:
+    def level(self) -> ReadLevel:
         """The level, as far as it could be read."""
         spec = self.spec
         collision = np.concatenate(self.collision)
@@ -193,7 +155,7 @@ class _Builder:
         return ReadLevel(
             name=spec.name or self.path.resolve().parent.name or "level",
             file=self.path,
-            sha256=_digest([data, *self.contents]),
+            sha256=self._digest(),
             frame=self.frame,
             collision=collision,
             solids=tuple(self.solids),
@@ -215,6 +177,14 @@ class _Builder:
             height_fields=_moved_up(self.height_fields, thin),
             reading=Reading(int(thin.sum()), thin_nav, self._navmesh_frame(), spec.navmesh.scale),
         )
+
+    def _digest(self) -> str:
+        """Of the level itself: how long it is explored and what fails a build may change, the level is the same."""
+        said = self.spec.model_dump(mode="json", exclude={"explore", "gate"}, exclude_unset=True)
+        digest = hashlib.sha256(json.dumps(said, sort_keys=True).encode())
+        for content in self.contents:
+            digest.update(content)
+        return digest.hexdigest()
 
     def _point(self, position: Sequence[float]) -> Floats:
         return self.frame.to_level(np.array(position))
@@ -249,10 +219,3 @@ class _Builder:
 def _moved_up(fields: Sequence[HeightField], thin: Bools) -> tuple[HeightField, ...]:
     """The height fields in a collision without its `thin` [F] triangles; one that loses some is none any more."""
     return tuple(dataclasses.replace(field, first=int((~thin[: field.first]).sum())) for field in fields)
-
-
-def _digest(contents: Sequence[bytes]) -> str:
-    digest = hashlib.sha256()
-    for content in contents:
-        digest.update(content)
-    return digest.hexdigest()

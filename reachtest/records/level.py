@@ -159,7 +159,7 @@ class Level:
 
     name: str
     file: Path
-    sha256: str  # of level.yaml and every file it names
+    sha256: str  # of what level.yaml says but for explore and gate, and of every file it names
     frame: Frame
     collision: Floats  # [F, 3, 3], outward normal by the right-hand rule where the source has one
     solids: tuple[Solid, ...]

@@ -90,15 +90,25 @@ def test_presets_jump_as_high_as_their_engines_say() -> None:
     assert apex["quake3"] == pytest.approx(270**2 / 1600 * 0.0254, abs=0.01)
 
 
-def test_digest_follows_every_byte_that_was_read(write_level: WriteLevel, tmp_path: Path) -> None:
+def test_digest_follows_the_level_and_every_file_it_names(write_level: WriteLevel, tmp_path: Path) -> None:
     path = write_level()
     first = load_level(path).sha256
     assert load_level(path).sha256 == first
     nav = tmp_path / "small" / "nav.obj"
     nav.write_text(nav.read_text() + "# again\n")
     second = load_level(path).sha256
-    path.write_text(path.read_text() + "# again\n")
-    assert len({first, second, load_level(path).sha256}) == 3
+    assert len({first, second, load_level(write_level(kill_z_m=-77)).sha256}) == 3
+
+
+def test_the_level_is_the_same_whatever_fails_a_build_and_however_long_it_is_explored(
+    write_level: WriteLevel,
+) -> None:
+    path = write_level()
+    first = load_level(path).sha256
+    path.write_text("# a remark\n" + path.read_text())
+    assert load_level(path, {"explore": {"steps": 77}}).sha256 == first
+    changed = write_level(gate={"fail_on": ["stuck"]}, explore={"steps": 55})
+    assert load_level(changed).sha256 == first
 
 
 def test_solids_are_apart_from_collision(write_level: WriteLevel) -> None:
