@@ -137,3 +137,8 @@ def pack_cells(cells: Ints) -> Ints:
     """One integer [n] for each cell [n, 3] of a grid, from -2^20 to 2^20 along each axis: 1,000 km at 1 m."""
     whole = cells + (1 << 20)
     return np.asarray((whole[:, 0] << 42) | (whole[:, 1] << 21) | whole[:, 2], dtype=np.int64)
+
+
+def unpack_heights(keys: Ints) -> Ints:
+    """The cells' third index [n] again."""
+    return np.asarray((keys & ((1 << 21) - 1)) - (1 << 20), dtype=np.int64)

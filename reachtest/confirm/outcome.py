@@ -18,7 +18,8 @@ from reachtest.records import Bools, Finding, Floats, Level
 SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a width, and one jumps into it
 ON_MESH_M = 0.5  # "expected" reaches through walls: who went through one has to do it again
 SLACK_M = 1.0  # around the box of a finding
-IN_POCKET_M = 0.5  # of where somebody stood: less than any pit is deep, more than a landing sinks in
+IN_POCKET_M = 0.5  # of where somebody stood: less than any pit is deep
+LANDING_M = 0.1  # more than a landing sinks in
 PLACES_AT_ONCE = 32  # measured against the nav-mesh: about as dear as one
 
 
@@ -32,7 +33,13 @@ class Outcome:
     low: Floats  # [3]
     high: Floats  # [3]
     exit_point: Floats | None  # [3]
-    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood in it
+    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood or lay in it
+    reach_m: float | None = None  # of a pocket: farthest that anybody got from where it began in it
+
+    @property
+    def within_m(self) -> float:
+        """Who is so near to one of `standing` is in the pocket: in a wedge that is not who passes by."""
+        return IN_POCKET_M if self.reach_m is None else min(IN_POCKET_M, self.reach_m + LANDING_M)
 
     @cached_property
     def near(self) -> cKDTree:
@@ -65,7 +72,8 @@ class Judge:
             around = (name for name in self._zones if self._in_zone(name, here)[0])
             target = next(around, None)
         low, high, exit_point = finding.low, finding.high, finding.exit_point
-        return Outcome(finding.kind, target, finding.position, low, high, exit_point, finding.standing)
+        standing, reach_m = finding.standing, finding.reach_m
+        return Outcome(finding.kind, target, finding.position, low, high, exit_point, standing, reach_m)
 
     def step(self, outcome: Outcome, trial: Trial, since: int = 0) -> int | None:
         """The first step from `since` on at which `trial` came to `outcome`; None if it did not."""
@@ -141,10 +149,10 @@ def _in_pocket(outcome: Outcome, trial: Trial) -> Bools:
     inside = np.zeros(len(trial), dtype=np.bool_)
     held = np.flatnonzero(np.isfinite(footings[:, 0]))
     if len(held):
-        low, high = outcome.standing.min(axis=0) - IN_POCKET_M, outcome.standing.max(axis=0) + IN_POCKET_M
+        low, high = outcome.standing.min(axis=0), outcome.standing.max(axis=0)
         last = footings[held[-1]]
-        if ((last >= low) & (last <= high)).all():
-            inside[held] = outcome.near.query(footings[held])[0] <= IN_POCKET_M
+        if ((last >= low - outcome.within_m) & (last <= high + outcome.within_m)).all():
+            inside[held] = outcome.near.query(footings[held])[0] <= outcome.within_m
     return inside
 
 

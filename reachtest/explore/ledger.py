@@ -16,7 +16,7 @@ from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
 from reachtest.explore.trails import Trails, of_parents
-from reachtest.explore.transitions import Transitions
+from reachtest.explore.transitions import Stays, Transitions
 from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
@@ -74,7 +74,8 @@ class Ledger:
         flat = rolled.positions.reshape(-1, 3)[valid]
         discovering = self.visits.add(flat, episode.ravel()[valid])
         footings = of_parents(parents, self.archive.footings_of, self._spawn_positions)
-        self.transitions.add(rolled, footings, parents, self.rounds)
+        stays = Stays(footings, np.zeros(parents.shape, dtype=np.bool_))
+        self.transitions.add(rolled, stays, parents, self.rounds)
         began = time.monotonic()
         order = valid[self.cache.insert(flat)]
         self.cache_s += time.monotonic() - began

@@ -15,7 +15,7 @@ from reachtest.explore.actions import JUMP_SHARE, action_stream, heading_of, sta
 from reachtest.explore.regions import Region, TrapFinder, Trapped
 from reachtest.explore.replay import Replayer
 from reachtest.explore.rollout import Trajectories, roll_out
-from reachtest.explore.transitions import UNKNOWN, Transitions, footholds
+from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies, stays_of
 from reachtest.geometry import pack_cells
 from reachtest.interfaces import Simulator, Teller
 from reachtest.navmesh.islands import Islands
@@ -52,11 +52,16 @@ class _Attempt:
 
 @dataclass(frozen=True)
 class _Front:
-    """Where the lanes are: states, and where they stood last."""
+    """Where the lanes are: states, and where they stood or lay last."""
 
     states: Floats  # [n, S]
-    footings: Floats  # [n, 3]
-    keys: Ints  # [n] of the cells they stood in last
+    stays: Stays  # [n]
+    keys: Ints  # [n] of the cells they stood or lay in last
+
+    @property
+    def footings(self) -> Floats:
+        """[n, 3]"""
+        return self.stays.places
 
 
 class Prober:
@@ -154,7 +159,8 @@ class Prober:
         """The characters as they were at places `rows` [n]: simulated again, bit for bit."""
         origins = [Origin(*row) for row in trapped.graph.origins[rows].tolist()]
         graph = trapped.graph
-        return _Front(self._replayer.states_at(origins), graph.places[rows], graph.keys[rows])
+        keys = graph.keys[rows]
+        return _Front(self._replayer.states_at(origins), Stays(graph.places[rows], lies(keys)), keys)
 
     def _nudged(self, rng: np.random.Generator, front: _Front, chosen: Bools) -> _Front:
         """The chosen characters [n] a little beside where they were: what only holds to the millimetre is no trap."""
@@ -162,7 +168,7 @@ class Prober:
         nudge[:, 2] = np.abs(nudge[:, 2])
         states = front.states.copy()
         states[chosen, :3] += nudge[chosen]
-        return _Front(states, front.footings, front.keys)
+        return _Front(states, front.stays, front.keys)
 
     def _probe(self, front: _Front, headings: Ints, jumps: Floats) -> _Front:
         """One episode of each lane; where they are then."""
@@ -172,7 +178,7 @@ class Prober:
             streams[:, lane] = action_stream(self._seed, self._round, lane, steps, *way)
         every = np.resize(np.arange(count), self._simulator.agents)  # who has no lane stands still in a copy
         rolled = _first(roll_out(self._simulator, front.states[every][None], streams), count)
-        self._transitions.add(rolled, front.footings[None])
+        self._transitions.add(rolled, Stays(front.stays.places[None], front.stays.lying[None]))
         self._round, self._episodes, self._steps = (
             self._round + 1,
             self._episodes + count,
@@ -182,11 +188,14 @@ class Prober:
         self._attempts += [
             self._note(rolled.positions[:, lane], front.footings[lane]) for lane in range(count)
         ]
-        alive = (rolled.ended[-1] == EndReason.ALIVE)[:, None]
-        states = np.where(alive, rolled.states[-1], front.states)
-        footings = np.where(alive, _last_footing(rolled, front.footings), front.footings)
+        alive = rolled.ended[-1] == EndReason.ALIVE
+        states = np.where(alive[:, None], rolled.states[-1], front.states)
+        last = _last_stays(rolled, front.stays)
+        footings = np.where(alive[:, None], last.places, front.footings)
+        lying = np.where(alive, last.lying, front.stays.lying)
         same = (footings == front.footings).all(axis=1)
-        return _Front(states, footings, np.where(same, front.keys, self._transitions.cells(footings)))
+        keys = np.where(same, front.keys, self._transitions.cells(footings, lying))
+        return _Front(states, Stays(footings, lying), keys)
 
     def _note(self, positions: Floats, start: Floats) -> _Attempt:
         passed = positions[np.isfinite(positions[:, 0])]
@@ -240,12 +249,12 @@ def _first(rolled: Trajectories, lanes: int) -> Trajectories:
     return Trajectories(**{name: array[:, :lanes] for name, array in vars(rolled).items()})
 
 
-def _last_footing(rolled: Trajectories, footings: Floats) -> Floats:
+def _last_stays(rolled: Trajectories, before: Stays) -> Stays:
     """Where each lane [B] stood or lay last in the episode under way, else where it began."""
-    result, held = footings.copy(), footholds(rolled)
-    for lane in range(len(result)):
-        places = held[int(rolled.start[-1, lane]) :, lane]
-        places = places[np.isfinite(places[:, 0])]
-        if len(places):
-            result[lane] = places[-1]
-    return result
+    places, lying, stays = before.places.copy(), before.lying.copy(), stays_of(rolled)
+    for lane in range(len(places)):
+        first = int(rolled.start[-1, lane])
+        held = first + np.flatnonzero(np.isfinite(stays.places[first:, lane, 0]))
+        if len(held):
+            places[lane], lying[lane] = stays.places[held[-1], lane], stays.lying[held[-1], lane]
+    return Stays(places, lying)

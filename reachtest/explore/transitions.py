@@ -2,6 +2,8 @@
 
 Places are cells the character *stood* in (or came to rest in: a wedge gives no footing); a flight is one transition
 from where it left the ground to where it landed. Cells in the air would join the bottom of a pit to its rim.
+Lying somewhere is another place than standing in the same cell: who is wedged in there does not get away as who
+stands beside it does.
 
 Shape legend: B lanes, T agent steps of a round, N places, E transitions.
 """
@@ -10,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +20,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 
 from reachtest.explore.rollout import Trajectories
-from reachtest.geometry import at_rest, pack_cells
+from reachtest.geometry import at_rest, pack_cells, unpack_heights
 from reachtest.records import Bools, EndReason, Floats, Ints
 
 UNKNOWN = np.iinfo(np.int32).min
@@ -26,8 +29,17 @@ FLATTER = (
     2  # cells are half as high as wide: a ledge just too high to jump onto is another cell than its foot
 )
 _SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
+_LYING = 1 << 19  # cells higher than any level is: the keys of places to lie in
 _TIMES = 3  # of an agent step: before it, in it, at its end
 _GROWTH = 4  # new rows are merged when there are a quarter as many: few merges, little waste
+
+
+@dataclass(frozen=True)
+class Stays:
+    """Where characters stood, or lay still without standing."""
+
+    places: Floats  # [..., 3] NaN where they did neither
+    lying: Bools  # [...]
 
 
 @dataclass(frozen=True)
@@ -75,21 +87,22 @@ class Transitions:
         merged = self._keys.nbytes + self._places.nbytes + self._origins.nbytes + self._ends.nbytes
         return merged + fresh
 
-    def cells(self, positions: Floats) -> Ints:
-        """The key [n] of the cell of each of `positions` [n, 3]."""
-        return pack_cells(np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64))
+    def cells(self, positions: Floats, lying: Bools | Literal[False] = False) -> Ints:
+        """The key [n] of the cell of each of `positions` [n, 3], for who stands or lies there [n]."""
+        cells = np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64)
+        cells[:, 2] += np.multiply(lying, _LYING)
+        return pack_cells(cells)
 
-    def add(
-        self, rolled: Trajectories, footings: Floats, parents: Ints | None = None, round_: int = 0
-    ) -> None:
-        """Enter a round; `footings` [M, B, 3] are where the characters stood last at each of their starts.
+    def add(self, rolled: Trajectories, starts: Stays, parents: Ints | None = None, round_: int = 0) -> None:
+        """Enter a round; `starts` [M, B] are where the characters stood or lay last at each of their starts.
 
         `parents` [M, B] are these starts; None if they are no cached points.
         """
-        lane, time, episode, places, out = _visits(rolled, footings)
+        lane, time, episode, stays, out = _visits(rolled, starts)
         order = np.lexsort((time, lane))
-        lane, time, episode, places, out = lane[order], time[order], episode[order], places[order], out[order]
-        keys = np.where(out, OUT, self.cells(np.where(out[:, None], 0.0, places)))
+        lane, time, episode, out = lane[order], time[order], episode[order], out[order]
+        places = stays.places[order]
+        keys = np.where(out, OUT, self.cells(np.where(out[:, None], 0.0, places), stays.lying[order]))
         step = (episode[1:] == episode[:-1]) & (keys[1:] != keys[:-1])
         ends = np.stack([keys[:-1][step], keys[1:][step]], axis=1)
         known, first = np.unique(keys, return_index=True)
@@ -127,9 +140,16 @@ def _spread(ends: Ints, sources: Bools) -> Bools:
     return found[:count]
 
 
-def footholds(rolled: Trajectories) -> Floats:
-    """Where the characters stood or lay still [T, B, 3]; NaN where they did not."""
-    return np.where(np.isfinite(rolled.stood), rolled.stood, _resting(rolled))
+def lies(keys: Ints) -> Bools:
+    """Whether `keys` [n] are of places where somebody lay."""
+    return np.asarray(unpack_heights(keys) >= _LYING // 2, dtype=np.bool_)
+
+
+def stays_of(rolled: Trajectories) -> Stays:
+    """Where the characters stood or lay still [T, B]."""
+    stood = np.isfinite(rolled.stood)
+    places = np.where(stood, rolled.stood, _resting(rolled))
+    return Stays(places, ~stood[:, :, 0])
 
 
 def _origins(
@@ -145,25 +165,21 @@ def _origins(
     return result
 
 
-def _visits(rolled: Trajectories, footings: Floats) -> tuple[Ints, Ints, Ints, Floats, Bools]:
-    """Lane, time, episode, place and "fell out" of every start, footing and fall of a round, in no order."""
+def _visits(rolled: Trajectories, starts: Stays) -> tuple[Ints, Ints, Ints, Stays, Bools]:
+    """Lane, time, episode, foothold and "fell out" of every start, footing and fall of a round, in no order."""
     steps, lanes = rolled.ended.shape
-    stood = footholds(rolled)
+    stays = stays_of(rolled)
     began = np.argwhere(rolled.start == np.arange(steps)[:, None])
-    seen = np.argwhere(np.isfinite(stood[:, :, 0]))
+    seen = np.argwhere(np.isfinite(stays.places[:, :, 0]))
     fell = np.argwhere(rolled.ended == EndReason.FELL)
     where = np.concatenate([began, seen, fell])
     time = _TIMES * where[:, 0] + np.repeat([0, 1, 2], [len(began), len(seen), len(fell)])
     episode = rolled.start[where[:, 0], where[:, 1]].astype(np.int64) * lanes + where[:, 1]
-    places = np.concatenate(
-        [
-            footings[rolled.which[began[:, 0], began[:, 1]], began[:, 1]],
-            stood[seen[:, 0], seen[:, 1]],
-            np.full((len(fell), 3), np.nan),
-        ]
-    )
+    first, then = (rolled.which[began[:, 0], began[:, 1]], began[:, 1]), (seen[:, 0], seen[:, 1])
+    places = np.concatenate([starts.places[first], stays.places[then], np.full((len(fell), 3), np.nan)])
+    lying = np.concatenate([starts.lying[first], stays.lying[then], np.zeros(len(fell), dtype=np.bool_)])
     out = np.arange(len(where)) >= len(began) + len(seen)
-    return where[:, 1], time, episode, places, out
+    return where[:, 1], time, episode, Stays(places, lying), out
 
 
 def _resting(rolled: Trajectories) -> Floats:

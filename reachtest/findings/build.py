@@ -35,7 +35,8 @@ class Cluster:
     title: str = ""  # where the kind's own title does not say it
     count: int | None = None  # of whatever was found, where it is not the points or places
     never_gates: bool = False  # for information, whatever `fail_on` says
-    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood in it
+    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood or lay in it
+    reach_m: float | None = None  # of a pocket: farthest that anybody got from where it began in it
     position: Floats | None = None  # [3] what to look at, where no evidence says it better
 
 
@@ -74,6 +75,7 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
         exits=None if cluster.exits is None else thin_out(cluster.exits),
         details=cluster.details,
         standing=cluster.standing,
+        reach_m=cluster.reach_m,
         others=_spread(cluster.falls, sight.position),
     )
 

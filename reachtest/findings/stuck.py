@@ -37,6 +37,7 @@ def _cluster(kind: str, pocket: Pocket, evidence: Evidence) -> Cluster:
         falls=() if len(pocket.points) else (pocket.arrival,),
         places=pocket.cells,
         standing=np.concatenate([pocket.cells, cached]),
+        reach_m=pocket.reach_m,
         details=_details(pocket),
         count=len(pocket.cells),
     )

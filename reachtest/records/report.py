@@ -78,7 +78,8 @@ class Finding:
     fragile: bool = False  # came about again at the coarse time step only, or not at all
     exits: Floats | None = None  # [n, 3] where paths left the nav-mesh on the way to it, thinned out
     details: tuple[str, ...] = ()  # what else there is to say, a line each
-    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood in it
+    standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood or lay in it
+    reach_m: float | None = None  # of a pocket: farthest that anybody got from where it began in it
     others: tuple[Fall, ...] = ()  # falls over other parts of its edge, for where its own path is not enough
 
 

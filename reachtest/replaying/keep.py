@@ -99,6 +99,7 @@ def _kept_finding(finding: Finding, outcome: Outcome, arrays: int | None) -> Kep
         exit_point=None if finding.exit_point is None else _point(finding.exit_point),
         nearest_named=finding.nearest_named and printable(finding.nearest_named),
         points=finding.points,
+        reach_m=finding.reach_m,
         arrays=arrays,
     )
 

@@ -64,6 +64,7 @@ class KeptFinding(_Part):
     exit_point: Point | None
     nearest_named: str | None
     points: int
+    reach_m: float | None = Field(None, ge=0)
     arrays: int | None = Field(ge=0)  # their number; None: it has no path
 
 
@@ -103,4 +104,4 @@ def outcome_of(finding: KeptFinding, recording: Recording) -> Outcome:
     exit_point = None if finding.exit_point is None else np.array(finding.exit_point)
     low, high = np.array(finding.low), np.array(finding.high)
     place, standing = np.array(finding.position), recording.standing
-    return Outcome(finding.kind, finding.target, place, low, high, exit_point, standing)
+    return Outcome(finding.kind, finding.target, place, low, high, exit_point, standing, finding.reach_m)

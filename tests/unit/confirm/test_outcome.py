@@ -14,6 +14,7 @@ NAV = np.array([[[-9, -9, 0], [9, -9, 0], [9, 9, 0]]], dtype=float)
 JUDGE = Judge(level(FLOOR, navmesh=NAV), SurfaceIndex(NAV, 3.0))
 BOTTOM = np.array([[2.0, 0, -3], [2.8, 0, -3]])
 PIT = Outcome("stuck", None, BOTTOM[0], BOTTOM.min(axis=0), np.array([2.8, 0, 0]), None, BOTTOM)
+WEDGE = Outcome("stuck", None, BOTTOM[0], BOTTOM[0], BOTTOM[0], None, BOTTOM[:1], reach_m=0.05)
 RIM, FLIGHT, INSIDE = (0.9, 0, 0, True), (2, 0, -2.9, False), (2.3, 0, -3.1, True)
 
 
@@ -40,3 +41,14 @@ def test_a_pit_is_shown_by_being_in_it_to_the_end(steps, shown) -> None:
     assert JUDGE.step(PIT, trial(*steps)) == shown
     later = JUDGE.step(PIT, trial(*steps), 1)
     assert later == shown
+
+
+@pytest.mark.parametrize(
+    ("steps", "shown"),
+    [
+        ([FLIGHT, (2.1, 0, -3.0, False), (2.1, 0, -3.0, False), (2.1, 0, -3.0, False)], 3),
+        ([RIM, (2.3, 0.2, -2.9, True)], None),  # beside it, where one stands and walks on
+    ],
+)
+def test_who_passes_a_wedge_by_is_not_held_in_it(steps, shown) -> None:
+    assert JUDGE.step(WEDGE, trial(*steps)) == shown

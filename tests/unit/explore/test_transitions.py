@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from reachtest.explore.rollout import Trajectories
-from reachtest.explore.transitions import OUT, Graph, Transitions
+from reachtest.explore.transitions import OUT, Graph, Stays, Transitions, lies
 from reachtest.records import EndReason
 
 
@@ -34,7 +34,8 @@ def graph_of(*rounds) -> tuple[Graph, Transitions]:
     transitions = Transitions(1.0)
     for number, (round_, footings) in enumerate(rounds):
         parents = np.full((1, len(footings)), -1)
-        transitions.add(round_, np.array([footings], dtype=float), parents, number)
+        stays = Stays(np.array([footings], dtype=float), np.zeros((1, len(footings)), dtype=bool))
+        transitions.add(round_, stays, parents, number)
     return transitions.graph(), transitions
 
 
@@ -60,7 +61,8 @@ def test_who_falls_out_of_the_world_goes_out_and_the_next_episode_starts_where_i
     round_ = rolled([([1.5, 0.5, -3.0], False), "fell", ([8.5, 0.5, 0.0], True)])
     round_.which[2] = 1
     transitions = Transitions(1.0)
-    transitions.add(round_, np.array([[edge], [home]], dtype=float), np.array([[-1], [-2]]), 4)
+    starts = Stays(np.array([[edge], [home]], dtype=float), np.zeros((2, 1), dtype=bool))
+    transitions.add(round_, starts, np.array([[-1], [-2]]), 4)
     graph = transitions.graph()
     a, b, c = (row(transitions, graph, place) for place in (edge, home, [8.5, 0.5, 0.0]))
     assert {tuple(ends) for ends in graph.ends.tolist()} == {(a, 0), (b, c)}
@@ -77,6 +79,21 @@ def test_a_place_to_lie_still_in_is_a_place_and_the_top_of_a_jump_is_none() -> N
     found = {tuple(np.round(place, 3)) for place in graph.places[1:].tolist()}
     assert tuple(wedge) in found
     assert tuple(top) not in found
+
+
+def test_who_stands_beside_a_wedge_gets_away_and_who_lies_in_it_does_not() -> None:
+    rim, floor, wedge = [0.5, 0.5, 0.0], [3.2, 0.5, -2.0], [3.6, 0.5, -2.1]
+    round_ = rolled([(floor, True), (rim, True), (rim, True)], [(wedge, False)] * 3)
+    graph, transitions = graph_of((round_, [rim, rim]))
+    lying = lies(graph.keys)
+    assert lying.sum() == 1
+    assert graph.keys[lying] == transitions.cells(np.array([wedge]), True)
+    home = np.arange(len(graph.keys)) == row(transitions, graph, rim)
+    assert graph.leads_to(home).tolist() == (~lying & ~graph.is_out).tolist()
+
+    starts = Stays(np.array([[wedge]]), np.ones((1, 1), dtype=bool))
+    transitions.add(rolled([(floor, True)]), starts)  # somebody got out of it after all
+    assert transitions.graph().leads_to(home).sum() == 3
 
 
 def test_rounds_add_up_and_the_first_way_to_a_place_is_kept() -> None:
