@@ -8,12 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.forest import Forest
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
 from reachtest.records import Bools, Candidates, Floats, Ints
@@ -22,6 +24,7 @@ BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
 STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
+LOW_M = 1.5  # above a floor: who jumps along a beam still is on it, who falls off it is not
 CHOICE = 32  # cached points around a goal to start from: all round it, and above and below
 
 
@@ -40,6 +43,7 @@ class Aims:
     def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
         self._goals, self._promised, self._link = goals, worth, 2 * spacing_m
+        self._low, self._ids, self._seen = Forest(), np.empty(0, np.int64), 0
         self._worth = worth
         self._before: tuple[Ints, Ints] = (
             np.empty(0, np.int64),
@@ -62,20 +66,28 @@ class Aims:
     ) -> Aim | None:
         """Goals for `lanes` lanes, the least tried first; None when no goal is open."""
         self._forget_where_it_went_on()
+        self._look_at_new(cache.positions, candidates.above_m)
         open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
-        if not len(open_) or not lanes:
+        if not len(open_) or not lanes or not len(self._low):
             return None
         if len(open_) > CONSIDERED:
             open_ = np.sort(rng.choice(open_, CONSIDERED, replace=False))
-        away, who = cache.nearest(self._goals.goals[open_], CHOICE)
+        away, who = self._low.nearest(self._goals.goals[open_], CHOICE)
         self._note_border(open_, away[:, 0])
         chosen = self._rotate(rng, lanes, open_)
-        starts = _starts(rng, away[chosen], who[chosen], candidates)
+        starts = _starts(rng, away[chosen], self._ids[who[chosen]], candidates.visits)
         goals = open_[chosen]
         np.add.at(self.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
         straight = rng.random(len(starts)) < STRAIGHT_SHARE
         return Aim(starts, heading_of(towards) + STRAIGHTS * straight, goals)
+
+    def _look_at_new(self, positions: Floats, above_m: NDArray[np.floating]) -> None:
+        """Take in cached points that are new and can be started from."""
+        new = self._seen + np.flatnonzero(above_m[self._seen :] <= LOW_M)
+        self._low.append(positions[new])
+        self._ids = np.append(self._ids, new)
+        self._seen = len(positions)
 
     def _forget_where_it_went_on(self) -> None:
         """Attempts count anew for a part of which a goal was reached: its border is another one now."""
@@ -117,13 +129,11 @@ def _parts(places: Floats, link_m: float) -> Ints:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _starts(rng: np.random.Generator, away: Floats, who: Ints, candidates: Candidates) -> Ints:
-    """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited, as the frontier is."""
+def _starts(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:
+    """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited [P], as the frontier is."""
     near = away <= np.maximum(away[:, :1], BORDER_M)
-    usable = near & candidates.grounded[who]
-    usable |= near & ~usable.any(axis=1, keepdims=True)
-    visits = np.maximum(candidates.visits[who], 1)
-    weight = np.where(usable, 1.0 / (visits * np.maximum(away, NEAREST_M) ** 2), 0.0)
+    visits = np.maximum(visits[who], 1)
+    weight = np.where(near, 1.0 / (visits * np.maximum(away, NEAREST_M) ** 2), 0.0)
     total = np.cumsum(weight, axis=1)
     draws = rng.random((len(who), 1)) * total[:, -1:]
     place = np.minimum((total <= draws).sum(axis=1), who.shape[1] - 1)

@@ -63,7 +63,7 @@ class Archive:
             "footing": np.empty(1024, dtype=np.int32),
             "exit_point": np.empty(1024, dtype=np.int32),
             "cell": np.empty(1024, dtype=np.int32),
-            "hopeless": np.empty(1024, dtype=np.bool_),
+            "above_m": np.empty(1024, dtype=np.float16),
         }
 
     def __len__(self) -> int:
@@ -109,9 +109,9 @@ class Archive:
         return np.asarray(self._column("off_mesh_m"), dtype=np.float32)
 
     @property
-    def hopeless(self) -> Bools:
-        """Points [P] that nothing can come of: in the air with nothing beneath."""
-        return np.asarray(self._column("hopeless"), dtype=np.bool_)
+    def above_m(self) -> NDArray[np.float16]:
+        """Height above the floor below [P] [m]: 0 for who stands, infinite over nothing."""
+        return np.asarray(self._column("above_m"), dtype=np.float16)
 
     @property
     def cells(self) -> NDArray[np.int32]:

@@ -186,7 +186,8 @@ class Explorer:
         if not len(archive) or number * agents < spawns:  # every spawn is used at least once
             return -1 - (number * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns, headings
         candidates = self._ledger.candidates()
-        weight = np.where(archive.hopeless, 0.0, self._eta(candidates))
+        # In the air over nothing, nothing can come of it: the edge that was left is cached too.
+        weight = np.where(np.isinf(candidates.above_m), 0.0, self._eta(candidates))
         if not weight.any():
             weight[:] = 1.0
         total = np.cumsum(weight)

@@ -60,6 +60,7 @@ class Ledger:
             off_mesh_m=self.archive.off_mesh_m,
             expected_within_m=self._settings.expected_within_m,
             grounded=self.archive.grounded,
+            above_m=self.archive.above_m,
         )
 
     def states_of(self, parents: Ints) -> Floats:
@@ -105,7 +106,7 @@ class Ledger:
             footing=trails.footings(t, b, self.archive.footings_of),
             exit_point=trails.exits(t, b, self.archive.exits_of),
             cell=self.visits.cells(positions),
-            hopeless=self._hopeless(positions, rolled.grounded[t, b]),
+            above_m=self._above(positions, rolled.grounded[t, b]),
         )
 
     def _note_ends(self, rolled: Trajectories, parents: Ints, trails: Trails) -> None:
@@ -120,10 +121,10 @@ class Ledger:
             origin = Origin(parent, self.rounds, b, int(rolled.start[t, b]), t + 1)
             self.falls.append(Fall(origin, rolled.last[t, b], stood, left))
 
-    def _hopeless(self, positions: Floats, grounded: Bools) -> Bools:
-        """Who [n] flies over nothing: the edge that was left is the better start, and is cached too."""
+    def _above(self, positions: Floats, grounded: Bools) -> Floats:
+        """How high [n] above the floor below; infinite over nothing."""
         below, _ = self._columns.highest(positions, np.inf, 0.0)
-        return np.isnan(below) & ~grounded
+        return np.where(grounded, 0.0, np.where(np.isnan(below), np.inf, positions[:, 2] - below))
 
     def _all_goals(self, level: Level) -> GoalSet:
         """Goals on the nav-mesh, then the level's required points: both are worth exploring towards."""

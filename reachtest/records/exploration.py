@@ -112,6 +112,7 @@ class Candidates:
     off_mesh_m: NDArray[np.floating]  # [P] distance to the nav-mesh; infinite beyond `expected_within_m`
     expected_within_m: float
     grounded: Bools  # [P]
+    above_m: NDArray[np.floating]  # [P] the floor below [m]; infinite over nothing
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ def candidates(open_goals: bool = True) -> Candidates:
         off_mesh_m=np.array([0.0, 1.5, np.inf, 0.0]),
         expected_within_m=3.0,
         grounded=np.array([True, False, True, True]),
+        above_m=np.array([0.0, 1.0, 0.0, 0.0]),
     )
 
 

@@ -266,7 +266,7 @@ def test_a_cached_point_takes_at_most_100_bytes_outside_the_tree(run) -> None:
     zeros = {
         name: np.zeros(4096) for name in ("parent", "round", "agent", "start", "step", "off_mesh_m", "cell")
     }
-    archive.append(states, stood, states[:, :3], grounded=~air[:, 0], hopeless=air[:, 0], **zeros)
+    archive.append(states, stood, states[:, :3], grounded=~air[:, 0], above_m=air[:, 0], **zeros)
     assert archive.bytes_per_point <= 100
     np.testing.assert_array_equal(archive.states_of(np.arange(4096)), states)
     some = np.array([0, 1, 2, 3, 4095])
@@ -285,7 +285,7 @@ def test_where_a_point_came_from_is_kept_for_any_number_of_lanes_and_steps(lanes
         "step": np.array([1, interval]),
         "start": np.array([0, interval]),
     }
-    other = {name: np.zeros(2) for name in ("parent", "round", "off_mesh_m", "cell", "grounded", "hopeless")}
+    other = {name: np.zeros(2) for name in ("parent", "round", "off_mesh_m", "cell", "grounded", "above_m")}
     archive.append(states, states, states, **last, **other)
     points = archive.points()
     for name, values in last.items():

@@ -59,7 +59,7 @@ def cached(positions, off_mesh_m=0.0, grounded=True) -> tuple[PositionCache, Can
     cache.insert(np.array(positions, dtype=float).reshape(-1, 3))
     n = len(cache)
     ones = np.ones(n, dtype=np.int64)
-    return cache, Candidates(ones, np.ones(n), np.full(n, off_mesh_m), 3.0, np.full(n, grounded))
+    return cache, Candidates(ones, np.ones(n), np.full(n, off_mesh_m), 3.0, np.full(n, grounded), np.zeros(n))
 
 
 def everywhere() -> tuple[PositionCache, Candidates]:
@@ -310,10 +310,10 @@ def test_a_gap_in_a_long_fence_is_found_by_more_seeds_than_without(monkeypatch: 
     where = replace(LEVEL, explore=explore)
 
     def found() -> int:
-        runs = (Run(seed, where, Fenced(5)).result for seed in range(12))
+        runs = (Run(seed, where, Fenced(5)).result for seed in range(24))
         return sum(any(fall.footing[0] > 9 and fall.footing[1] < 0 for fall in run.falls) for run in runs)
 
     pushing = found()
     monkeypatch.setattr(Borders, "draw", lambda *_: None)
-    assert pushing >= 9
-    assert pushing >= found() + 4
+    assert pushing >= 15  # 45 of 60 do
+    assert pushing >= found() + 8

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -50,7 +52,7 @@ def cached(*positions) -> tuple[PositionCache, Candidates]:
     cache.insert(np.array(positions, dtype=float))
     n = len(cache)
     ones = np.ones(n, dtype=np.int64)
-    return cache, Candidates(ones, np.ones(n), np.zeros(n), 3.0, np.ones(n, dtype=bool))
+    return cache, Candidates(ones, np.ones(n), np.zeros(n), 3.0, np.ones(n, dtype=bool), np.zeros(n))
 
 
 def aims(goals, worth=None) -> tuple[Aims, GoalSet]:
@@ -92,6 +94,22 @@ def test_attempts_from_afar_are_void_once_there_is_a_nearer_place() -> None:
     assert aim.attempts[0] == 5
     aim.draw(np.random.default_rng(1), 5, *cached([0, 0, 0], [40 - BORDER_M, 0, 0]))
     assert aim.attempts[0] == 5
+
+
+def test_who_fell_off_a_beam_is_no_start_however_near_to_its_end() -> None:
+    beam = [[1.5 * x, 0, 16] for x in range(6)]
+    falling = [[12 + 1.5 * x, 2, 14 - 1.5 * y] for x in range(8) for y in range(8)]
+    aim, _ = aims([[24, 0, 16]])
+    cache, candidates = cached(*beam, *falling)
+    high = np.concatenate([np.zeros(6), cache.positions[6:, 2]])
+    drawn = aim.draw(np.random.default_rng(0), 8, cache, replace(candidates, above_m=high))
+    assert drawn is not None
+    assert (drawn.starts < 6).all()
+    assert aim.border_m[0] == pytest.approx(16.5)
+    over_it, _ = aims([[24, 0, 16]])
+    drawn = over_it.draw(np.random.default_rng(0), 64, cache, replace(candidates, above_m=np.zeros(70)))
+    assert drawn is not None
+    assert (drawn.starts >= 6).any()  # could one stand there
 
 
 def test_no_effort_is_wasted_on_what_nobody_should_get_to() -> None:
