@@ -24,6 +24,7 @@ BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
 STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
+STOREY = np.array([1.0, 1.0, 4.0])  # one walks on along a beam, and does not get up from the ground below it
 LOW_M = 1.5  # above a floor: who jumps along a beam still is on it, who falls off it is not
 CHOICE = 32  # cached points around a goal to start from: all round it, and above and below
 
@@ -43,14 +44,24 @@ class Aims:
     def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
         self._goals, self._promised, self._link = goals, worth, 2 * spacing_m
-        self._low, self._ids, self._seen = Forest(), np.empty(0, np.int64), 0
+        self._near, self._level = (
+            Forest(),
+            Forest(),
+        )  # of the same points; the latter with its z as STOREY has it
+        self._ids, self._seen = (
+            np.empty(0, np.int64),
+            0,
+        )  # the cached points they are, and how many were looked at
+        self._gap_m: Floats = np.full(
+            len(goals.goals), np.inf
+        )  # [G] how far the nearest start was, by STOREY
         self._worth = worth
         self._before: tuple[Ints, Ints] = (
             np.empty(0, np.int64),
             np.empty(0, np.int64),
         )  # goals, and their parts
         self.attempts: Ints = np.zeros(len(goals.goals), dtype=np.int64)  # [G] in vain, from the border
-        self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far the nearest start was
+        self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far that start was
 
     @property
     def promised_open(self) -> bool:
@@ -68,15 +79,19 @@ class Aims:
         self._forget_where_it_went_on()
         self._look_at_new(cache.positions, candidates.above_m)
         open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
-        if not len(open_) or not lanes or not len(self._low):
+        if not len(open_) or not lanes or not len(self._ids):
             return None
         if len(open_) > CONSIDERED:
             open_ = np.sort(rng.choice(open_, CONSIDERED, replace=False))
-        away, who = self._low.nearest(self._goals.goals[open_], CHOICE)
-        self._note_border(open_, away[:, 0])
+        places = self._goals.goals[open_]
+        ways = self._level.nearest(places * STOREY, CHOICE), self._near.nearest(places, CHOICE)
+        away, who = (np.stack(both) for both in zip(*ways, strict=True))  # [2, n, k]
+        self._note_border(open_, away[0, :, 0], cache.positions[self._ids[who[0, :, 0]]])
         chosen = self._rotate(rng, lanes, open_)
-        starts = _starts(rng, away[chosen], self._ids[who[chosen]], candidates.visits)
         goals = open_[chosen]
+        # Where a way is promised, one comes along it; every other time from straight below or above, if that is nearer.
+        way = np.where(self._promised[goals], rng.integers(0, 2, lanes), 1)
+        starts = _starts(rng, away[way, chosen], self._ids[who[way, chosen]], candidates.visits)
         np.add.at(self.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
         straight = rng.random(len(starts)) < STRAIGHT_SHARE
@@ -85,7 +100,8 @@ class Aims:
     def _look_at_new(self, positions: Floats, above_m: NDArray[np.floating]) -> None:
         """Take in cached points that are new and can be started from."""
         new = self._seen + np.flatnonzero(above_m[self._seen :] <= LOW_M)
-        self._low.append(positions[new])
+        self._near.append(positions[new])
+        self._level.append(positions[new] * STOREY)
         self._ids = np.append(self._ids, new)
         self._seen = len(positions)
 
@@ -96,20 +112,24 @@ class Aims:
             went_on = np.bincount(part, weights=self._goals.reached_step[goals] >= 0) > 0
             self.attempts[goals[went_on[part]]] = 0
 
-    def _note_border(self, goals: Ints, away: Floats) -> None:
-        """Attempts count when they began near the goal, or from the nearest place that was ever reached."""
-        before = self.border_m[goals]
-        nearer = (away < before - NEARER_M) & (before > BORDER_M)
-        self.attempts[goals[nearer]] = 0
-        self.border_m[goals] = np.minimum(before, away)
+    def _note_border(self, goals: Ints, away: Floats, starts: Floats) -> None:
+        """Attempts count when they began near the goal, or from the nearest place that was ever reached.
+
+        `away` [n] is how far the nearest of them, `starts` [n, 3], are from `goals` [n] by STOREY.
+        """
+        before = self._gap_m[goals]
+        self.attempts[goals[(away < before - NEARER_M) & (before > BORDER_M)]] = 0
+        nearer = away < before
+        self._gap_m[goals[nearer]] = away[nearer]
+        self.border_m[goals[nearer]] = np.linalg.norm(starts - self._goals.goals[goals], axis=1)[nearer]
 
     def _rotate(self, rng: np.random.Generator, lanes: int, goals: Ints) -> Ints:
         """Places [lanes] in `goals`: always the part that was tried least, and of it the border goal tried least."""
         part = _parts(self._goals.goals[goals], self._link)
         self._before = goals, part
         nearest = np.full(part.max() + 1, np.inf)
-        np.minimum.at(nearest, part, self.border_m[goals])
-        at_border = self.border_m[goals] <= np.maximum(nearest[part], BORDER_M)
+        np.minimum.at(nearest, part, self._gap_m[goals])
+        at_border = self._gap_m[goals] <= np.maximum(nearest[part], BORDER_M)
         tries = np.where(at_border, self.attempts[goals] + rng.random(len(goals)), np.inf)
         total = np.bincount(part, weights=self.attempts[goals]) + rng.random(len(nearest))
         chosen = np.empty(lanes, dtype=np.int64)

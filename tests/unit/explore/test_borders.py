@@ -310,10 +310,10 @@ def test_a_gap_in_a_long_fence_is_found_by_more_seeds_than_without(monkeypatch: 
     where = replace(LEVEL, explore=explore)
 
     def found() -> int:
-        runs = (Run(seed, where, Fenced(5)).result for seed in range(24))
+        runs = (Run(seed, where, Fenced(5)).result for seed in range(48))
         return sum(any(fall.footing[0] > 9 and fall.footing[1] < 0 for fall in run.falls) for run in runs)
 
     pushing = found()
     monkeypatch.setattr(Borders, "draw", lambda *_: None)
-    assert pushing >= 15  # 45 of 60 do
-    assert pushing >= found() + 8
+    assert pushing >= 28  # of 60 seeds 43 find it, and 20 without
+    assert pushing >= found() + 12

@@ -112,6 +112,19 @@ def test_who_fell_off_a_beam_is_no_start_however_near_to_its_end() -> None:
     assert (drawn.starts >= 6).any()  # could one stand there
 
 
+def test_attempts_along_a_beam_begin_on_it_though_the_ground_below_is_nearer() -> None:
+    beam = [[1.5 * x, 0, 4.5] for x in range(6)]
+    ground = [[1.5 * x, 1.5 * y, 0] for x in range(12) for y in range(-2, 3)]
+    aim, _ = aims([[15, 0, 4.5]])
+    cache, candidates = cached(*beam, *ground)
+    drawn = aim.draw(np.random.default_rng(0), 200, cache, candidates)
+    assert drawn is not None
+    on_it = drawn.starts < 6
+    assert 60 < on_it.sum() < 140
+    assert set((drawn.headings[on_it] - 1) % 8 + 1) == {1}
+    assert aim.border_m[0] == pytest.approx(7.5)
+
+
 def test_no_effort_is_wasted_on_what_nobody_should_get_to() -> None:
     aim, _ = aims([[4, 0, 0], [0, 4, 0]], worth=[False, True])
     drawn = aim.draw(np.random.default_rng(0), 8, *cached([0, 0, 0]))
