@@ -8,25 +8,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.forest import Forest
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
+from reachtest.explore.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.records import Bools, Candidates, Floats, Ints
 
 BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
 STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
-STOREY = np.array([1.0, 1.0, 4.0])  # one walks on along a beam, and does not get up from the ground below it
-LOW_M = 1.5  # above a floor: who jumps along a beam still is on it, who falls off it is not
-CHOICE = 32  # cached points around a goal to start from: all round it, and above and below
 
 
 @dataclass(frozen=True)
@@ -44,22 +40,13 @@ class Aims:
     def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
         self._goals, self._promised, self._link = goals, worth, 2 * spacing_m
-        self._near, self._level = (
-            Forest(),
-            Forest(),
-        )  # of the same points; the latter with its z as STOREY has it
-        self._ids, self._seen = (
-            np.empty(0, np.int64),
-            0,
-        )  # the cached points they are, and how many were looked at
+        self._starts = Starts()
         self._gap_m: Floats = np.full(
             len(goals.goals), np.inf
-        )  # [G] how far the nearest start was, by STOREY
+        )  # [G] how far the nearest of them was, by storey
         self._worth = worth
-        self._before: tuple[Ints, Ints] = (
-            np.empty(0, np.int64),
-            np.empty(0, np.int64),
-        )  # goals, and their parts
+        none: Ints = np.empty(0, dtype=np.int64)
+        self._before = none, none  # goals, and their parts
         self.attempts: Ints = np.zeros(len(goals.goals), dtype=np.int64)  # [G] in vain, from the border
         self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far that start was
 
@@ -77,33 +64,23 @@ class Aims:
     ) -> Aim | None:
         """Goals for `lanes` lanes, the least tried first; None when no goal is open."""
         self._forget_where_it_went_on()
-        self._look_at_new(cache.positions, candidates.above_m)
+        self._starts.note(cache.positions, candidates.above_m)
         open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
-        if not len(open_) or not lanes or not len(self._ids):
+        if not len(open_) or not lanes or not len(self._starts):
             return None
         if len(open_) > CONSIDERED:
             open_ = np.sort(rng.choice(open_, CONSIDERED, replace=False))
-        places = self._goals.goals[open_]
-        ways = self._level.nearest(places * STOREY, CHOICE), self._near.nearest(places, CHOICE)
-        away, who = (np.stack(both) for both in zip(*ways, strict=True))  # [2, n, k]
-        self._note_border(open_, away[0, :, 0], cache.positions[self._ids[who[0, :, 0]]])
+        away, who = self._starts.nearest(self._goals.goals[open_])
+        self._note_border(open_, away[BY_STOREY, :, 0], cache.positions[who[BY_STOREY, :, 0]])
         chosen = self._rotate(rng, lanes, open_)
         goals = open_[chosen]
         # Where a way is promised, one comes along it; every other time from straight below or above, if that is nearer.
-        way = np.where(self._promised[goals], rng.integers(0, 2, lanes), 1)
-        starts = _starts(rng, away[way, chosen], self._ids[who[way, chosen]], candidates.visits)
+        way = np.where(self._promised[goals], rng.integers(0, 2, lanes), STRAIGHT)
+        starts = _one_each(rng, away[way, chosen], who[way, chosen], candidates.visits)
         np.add.at(self.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
         straight = rng.random(len(starts)) < STRAIGHT_SHARE
         return Aim(starts, heading_of(towards) + STRAIGHTS * straight, goals)
-
-    def _look_at_new(self, positions: Floats, above_m: NDArray[np.floating]) -> None:
-        """Take in cached points that are new and can be started from."""
-        new = self._seen + np.flatnonzero(above_m[self._seen :] <= LOW_M)
-        self._near.append(positions[new])
-        self._level.append(positions[new] * STOREY)
-        self._ids = np.append(self._ids, new)
-        self._seen = len(positions)
 
     def _forget_where_it_went_on(self) -> None:
         """Attempts count anew for a part of which a goal was reached: its border is another one now."""
@@ -115,7 +92,7 @@ class Aims:
     def _note_border(self, goals: Ints, away: Floats, starts: Floats) -> None:
         """Attempts count when they began near the goal, or from the nearest place that was ever reached.
 
-        `away` [n] is how far the nearest of them, `starts` [n, 3], are from `goals` [n] by STOREY.
+        `away` [n] is how far the nearest of them, `starts` [n, 3], are from `goals` [n] by storey.
         """
         before = self._gap_m[goals]
         self.attempts[goals[(away < before - NEARER_M) & (before > BORDER_M)]] = 0
@@ -149,7 +126,7 @@ def _parts(places: Floats, link_m: float) -> Ints:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _starts(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:
+def _one_each(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:
     """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited [P], as the frontier is."""
     near = away <= np.maximum(away[:, :1], BORDER_M)
     visits = np.maximum(visits[who], 1)
