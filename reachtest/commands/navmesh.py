@@ -59,7 +59,7 @@ def _section(level: Path, given: dict[str, Any]) -> Any:
     from reachtest.levels.document import read_yaml
     from reachtest.levels.schema import BuildSpec, NavMeshSpec
 
-    section = read_yaml(level)[0].get("navmesh")
+    section = read_yaml(level).get("navmesh")
     if isinstance(section, dict) and "build" in section:
         return {"build": given}
     spec = BuildSpec.model_validate(given)

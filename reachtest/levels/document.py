@@ -30,8 +30,8 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def read_yaml(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The mapping in a YAML file, and the file's bytes. Raises BadInput naming line and column."""
+def read_yaml(path: Path) -> dict[str, Any]:
+    """The mapping in a YAML file. Raises BadInput naming line and column."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -51,7 +51,7 @@ def read_yaml(path: Path) -> tuple[dict[str, Any], bytes]:
     if not isinstance(document, dict):
         found = f"holds {show(document)}, not a mapping"
         raise BadInput([Problem(path.name, found, "start with 'version: 1'")], path)
-    return document, data
+    return document
 
 
 def merge(document: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:

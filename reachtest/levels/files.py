@@ -15,7 +15,7 @@ from reachtest.levels.primitives import PRIMITIVES
 
 def named_files(path: Path) -> dict[str, Path]:
     """The level file and every file it names, by the name it goes by there. Raises BadInput."""
-    document, _ = read_yaml(path)
+    document = read_yaml(path)
     names = [name for _, name, *_ in _file_keys(document) if isinstance(name, str) and name]
     return {path.name: path} | {name: path.parent / name for name in names}
 

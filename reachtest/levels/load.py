@@ -55,8 +55,7 @@ def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
     """
     path = Path(path)
     given = overrides or {}
-    document, _ = read_yaml(path)
-    document = merge(document, given)
+    document = merge(read_yaml(path), given)
     spec, problems = parse(document, path.name, given)
     if spec is None:
         raise BadInput(problems + list(missing_files(document, path)), path)
