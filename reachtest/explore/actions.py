@@ -17,10 +17,16 @@ LEAPS = 2 * HEADINGS  # headings above this begin with a leap: a run-up, one jum
 STRAIGHTS = (
     3 * HEADINGS
 )  # headings above this begin straight on: along a beam there is no room for anything else
+AIMED = 4 * HEADINGS  # headings above this begin with a leap that was worked out: see `aimed`
 STRAIGHT_STEPS = 16  # two seconds
 LEAP_RUN_STEPS = 7  # at the most: two metres from a standstill at walking speed, and time to spare
+RUN_UPS = LEAP_RUN_STEPS + 1
+# How a leap that was worked out turns before it takes off: eighths of a turn, and for how many agent steps. A velocity
+# follows the stick within some tenths of a second, so that these lead between the stick's own directions too.
+TURNS = ((0, 0), (1, 0), (-1, 0), (1, 1), (-1, 1))
 LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
 LEAP_STOP_STEPS = 3  # a pillar is soon run across
+LEAP_WAIT_STEPS = 2  # before a leap that was worked out: whichever way one was running, one then stands
 LEAP_ASIDE = (0, 0, 1, -1)  # eighths of a turn: between two headings there is a third
 JUMP_SHARE = 0.25  # of the holds are made jumping
 CENTRED_SHARE = 0.05  # of the holds stand still: enough for what only waiting finds
@@ -35,7 +41,7 @@ def action_stream(
     """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
 
     With a `heading` most of them push that way: 1 to 8, 9 to 16 to jump more, 17 to 24 to leap first, 25 to 32 to walk
-    straight on first. 0 is for no way in particular.
+    straight on first, above that to leap first as `aimed` says. 0 is for no way in particular.
     """
     jump_share = PUSH_JUMP_SHARE if heading > HEADINGS else jump_share
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
@@ -48,22 +54,41 @@ def action_stream(
         towards = (heading - 1 + rng.integers(-1, 2, steps)) % 8 + 1
         stick = np.where(rng.random(steps) < HEADING_SHARE, towards, stick)
     actions = np.stack([stick[hold], jump[hold]], axis=1).astype(np.int8)
+    first = _first(rng, heading)[:steps]
+    actions[: len(first)] = first
+    return actions
+
+
+def _first(rng: np.random.Generator, heading: int) -> NDArray[np.int8]:
+    """What an episode with that `heading` begins with: actions [n, 2]."""
+    way = (heading - 1) % 8
+    if heading > AIMED:
+        return np.concatenate([np.zeros((LEAP_WAIT_STEPS, 2), dtype=np.int8), leap(*aimed(heading))])
     if heading > STRAIGHTS:
-        actions[:STRAIGHT_STEPS] = (heading - 1) % 8 + 1, 0
-    elif heading > LEAPS:
-        leap = _leap(rng, heading)[:steps]
-        actions[: len(leap)] = leap
+        return np.tile(np.array([way + 1, 0], dtype=np.int8), (STRAIGHT_STEPS, 1))
+    if heading > LEAPS:
+        aside, run = rng.choice(LEAP_ASIDE), rng.integers(0, RUN_UPS)
+        return leap((way + int(aside)) % 8, int(run))
+    return np.empty((0, 2), dtype=np.int8)
+
+
+def leap(way: int, run: int, aside: int = 0, turning: int = 0) -> NDArray[np.int8]:
+    """Run `way` (0 to 7) for `run` agent steps, turn `aside` for `turning` more, jump once, and stop where that leads.
+
+    Returns actions [n, 2].
+    """
+    before = run + turning
+    actions = np.zeros((before + 1 + LEAP_FLIGHT_STEPS + LEAP_STOP_STEPS, 2), dtype=np.int8)
+    actions[:run, 0] = way + 1
+    actions[run : len(actions) - LEAP_STOP_STEPS, 0] = (way + aside) % HEADINGS + 1
+    actions[before, 1] = 1
     return actions
 
 
-def _leap(rng: np.random.Generator, heading: int) -> NDArray[np.int8]:
-    """Run that way for a while, jump once, and stop where that leads: actions [n, 2]."""
-    way = (heading - 1 + rng.choice(LEAP_ASIDE)) % 8 + 1
-    run = int(rng.integers(0, LEAP_RUN_STEPS + 1))
-    actions = np.zeros((run + 1 + LEAP_FLIGHT_STEPS + LEAP_STOP_STEPS, 2), dtype=np.int8)
-    actions[: len(actions) - LEAP_STOP_STEPS, 0] = way
-    actions[run, 1] = 1
-    return actions
+def aimed(heading: int) -> tuple[int, int, int, int]:
+    """What `leap` is asked for by a heading above AIMED."""
+    turn, run, way = np.unravel_index(heading - AIMED - 1, (len(TURNS), RUN_UPS, HEADINGS))
+    return int(way), int(run), *TURNS[turn]
 
 
 def heading_of(away: Floats) -> Ints:

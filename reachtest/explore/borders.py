@@ -18,31 +18,36 @@ from reachtest.explore.actions import HEADINGS, LEAPS
 from reachtest.explore.aim import Aim
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.footholds import Footholds
-from reachtest.explore.places import NOWHERE, Places, outermost
-from reachtest.records import Candidates, Floats, Ints
+from reachtest.explore.leaps import Leaps
+from reachtest.explore.places import NOWHERE, Gaps, Places, outermost
+from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to
 PUSHED_M = 1.25  # from a place: half the spacing aside, or up in a jump
 BESIDE_M = 0.7  # off the nav-mesh: erosion at a wall is less, a crate that takes a jump is more
 JUMPING_SHARE = 0.5  # of the pushes: gaps are walked through, low walls and crates are jumped onto
+AIMED_SHARE = 0.75  # of the leaps over gaps
 OUTER, INNER, BESIDE, GAP = KINDS = range(4)  # of rows
 # Whose turn it is, lane after lane: most ways out are at the world's end.
-TURNS = (OUTER, BESIDE, OUTER, INNER, GAP)
+TURNS = (OUTER, GAP, BESIDE, OUTER, GAP, INNER)
 _ALL_WAYS = np.arange(1, HEADINGS + 1)
 
 
 class Borders:
     """The table of places to push from, each with a heading and with how often that was tried."""
 
-    def __init__(self, along: Places, gaps: Places, footholds: Footholds) -> None:
+    def __init__(
+        self, along: Places, gaps: Gaps, footholds: Footholds, who: Character, settings: ExploreSettings
+    ) -> None:
         """Places `along` the border, and at `gaps` that are of interest until somebody stands on the other side."""
-        self._along, self._footholds = along, footholds
-        positions = np.concatenate([along.positions, gaps.positions]).reshape(-1, 3)
+        self._along, self._footholds, self._leaps = along, footholds, Leaps(gaps, who, settings)
+        before = gaps.places
+        positions = np.concatenate([along.positions, before.positions]).reshape(-1, 3)
         self._border, self._tree = cKDTree(along.positions.reshape(-1, 3)), cKDTree(positions)
         n, rows = len(along.positions), len(positions)
         self._away = np.full(rows, np.inf)  # from the place to its start
-        self._heading = np.concatenate([along.headings, gaps.headings])  # [R]
-        self._target = np.concatenate([along.target, gaps.target])  # [R]
+        self._heading = np.concatenate([along.headings, before.headings])  # [R]
+        self._target = np.concatenate([along.target, before.target])  # [R]
         outer = np.where(outermost(along.positions, along.headings), OUTER, INNER)
         self._kind = np.concatenate([outer, np.full(rows - n, GAP)])  # [R]
         self._start: Ints = np.full(rows, -1, dtype=np.int64)  # [R] cached point; -1: none near yet
@@ -74,7 +79,17 @@ class Borders:
         np.add.at(self._tried, rows, 1)
         how = np.where(rng.random(len(rows)) < JUMPING_SHARE, HEADINGS, 0)
         how[self._kind[rows] == GAP] = LEAPS
-        return Aim(self._start[rows], self._heading[rows] + how, rows)
+        starts, headings = self._start[rows], self._heading[rows] + how
+        self._work_out_leaps(rng, rows, starts, headings)
+        return Aim(starts, headings, rows)
+
+    def _work_out_leaps(self, rng: np.random.Generator, rows: Ints, starts: Ints, headings: Ints) -> None:
+        """Most of the leaps among `rows` [B] are aimed, in place; the others find what flights over nothing do not."""
+        aimed = (self._kind[rows] == GAP) & (rng.random(len(rows)) < AIMED_SHARE)
+        for lane in np.flatnonzero(aimed).tolist():
+            leap = self._leaps.draw(rng, int(rows[lane]) - len(self._along.positions))
+            if leap is not None:
+                starts[lane], headings[lane] = leap
 
     def note(self, positions: Floats, sticks: NDArray[np.int8]) -> None:
         """Count who pushed at what, whatever for: `positions` [T, B, 3] after steps with `sticks` [T, B]."""
@@ -105,6 +120,7 @@ class Borders:
         new = self._seen + np.flatnonzero(candidates.grounded[self._seen :])
         self._seen = len(positions)
         self._bring_nearer(positions[new], new)
+        self._leaps.note(positions[new], new)
         off = candidates.off_mesh_m[new]
         beside = new[(off > BESIDE_M) & np.isfinite(off)]
         count = len(beside) * len(_ALL_WAYS)

@@ -49,7 +49,8 @@ def directed(level: Level, goals: GoalSet, wanted: Bools, islands: Islands, on: 
     """The purposes of a level: `goals`, of which those `wanted` [G] were promised, on `islands`."""
     footholds = Footholds(islands, on.connected, on.goal_island)
     aims = Aims(goals, wanted, level.explore.goal_spacing_m)
-    borders = Borders(*places_to_push(islands, on.connected, level.character), footholds)
+    along, gaps = places_to_push(islands, on.connected, level.character)
+    borders = Borders(along, gaps, footholds, level.character, level.explore)
     return Directed(aims, borders, footholds, level.explore.directed * level.explore.lanes)
 
 

@@ -61,7 +61,7 @@ class Explorer:
         on = goal_islands(self._islands, starts, self._ledger.goals.goals)
         self._wanted, self._required_connected = self._worth(on)
         self._directed = directed(level, self._ledger.goals, self._wanted, self._islands, on)
-        self._headings: list[NDArray[np.int8]] = []
+        self._headings: list[NDArray[np.int16]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
 
     def run(self) -> Exploration:
@@ -121,9 +121,9 @@ class Explorer:
             timing=timing,
         )
 
-    def _round_headings(self) -> NDArray[np.int8]:
+    def _round_headings(self) -> NDArray[np.int16]:
         """The headings of all lanes in all rounds [rounds, lanes]."""
-        return np.array(self._headings, dtype=np.int8).reshape(-1, self._settings.lanes)
+        return np.array(self._headings, dtype=np.int16).reshape(-1, self._settings.lanes)
 
     def _probe(self, points: Points) -> Probed:
         """Look for pockets."""
@@ -178,9 +178,9 @@ class Explorer:
         self._directed.borders.note(rolled.positions, actions[:, :, 0])
         self._tell(rolled, new)
 
-    def _draw_starts(self) -> tuple[Ints, NDArray[np.int8]]:
+    def _draw_starts(self) -> tuple[Ints, NDArray[np.int16]]:
         """What each lane starts from [M, B]: cached points, or -1 - i for spawn i; and its heading [B] or 0."""
-        headings = np.zeros(self._settings.lanes, dtype=np.int8)
+        headings = np.zeros(self._settings.lanes, dtype=np.int16)
         agents, number, archive = self._settings.lanes, self._ledger.rounds, self._ledger.archive
         shape, spawns = (STARTS_PER_AGENT, agents), len(self._level.spawns)
         if not len(archive) or number * agents < spawns:  # every spawn is used at least once

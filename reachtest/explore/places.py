@@ -19,6 +19,7 @@ SPACING_M = 2.0  # between places: who pushes at one comes by both sides of it
 PIECE_M = 1.0  # of the border: places are chosen among these, evenly to within one
 OUTERMOST_M = 8.0  # what goes on behind the border that far may be an alley along the world's end
 RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
+LANDING_M = 0.4  # behind a gap: not on the very edge
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 NOWHERE = -1  # the target of places that no island lies opposite
 
@@ -39,20 +40,35 @@ class Places:
 
 
 @dataclass(frozen=True)
+class Gaps:
+    """Gaps between islands that a jump may carry over."""
+
+    places: Places  # before them, with room to run up
+    edges: Floats  # [n, 3] of the nav-mesh on this side
+    outwards: Floats  # [n, 2] straight over that edge
+    landings: Floats  # [n, 3] a little way into the nav-mesh on the other side
+
+    def on(self, islands: Bools) -> Gaps:
+        """Those before which `islands` [I] are."""
+        kept = islands[self.places.island]
+        return Gaps(self.places.on(islands), self.edges[kept], self.outwards[kept], self.landings[kept])
+
+
+@dataclass(frozen=True)
 class _Pieces:
     middles: Floats  # [p, 3]
     outwards: Floats  # [p, 2]
     island: Ints  # [p]
 
 
-def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Places]:
+def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
     """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to from there."""
     navmesh = islands.navmesh
     climb = CLIMB_M if navmesh.agent.climb_m is None else navmesh.agent.climb_m
     middles, outwards, face = border(navmesh, PIECE_M, climb)
     pieces = _Pieces(middles, outwards, islands.labels[face])
     gaps = _gaps(pieces, connected, who)
-    likely = _closure(connected, gaps)
+    likely = _closure(connected, gaps.places)
     return _along(pieces).on(likely), gaps.on(likely)
 
 
@@ -76,10 +92,16 @@ def jump_carries(who: Character, away: Floats) -> Bools:
     A ballistic flight; the borders of a nav-mesh keep a radius from the edges.
     """
     rise = away[:, 2] - FLOAT_M
-    over = who.jump_speed_mps**2 - 2 * who.gravity_mps2 * rise
-    flight_s = (who.jump_speed_mps + np.sqrt(np.maximum(over, 0.0))) / who.gravity_mps2
+    high_enough = rise <= who.jump_speed_mps**2 / (2 * who.gravity_mps2)
     far = np.hypot(away[:, 0], away[:, 1])
-    return np.asarray((over >= 0) & (far <= who.walk_speed_mps * flight_s + 2 * who.radius_m), dtype=np.bool_)
+    carried = who.walk_speed_mps * flight_s(who, rise) + 2 * who.radius_m
+    return np.asarray(high_enough & (far <= carried), dtype=np.bool_)
+
+
+def flight_s(who: Character, rise_m: Floats) -> Floats:
+    """How long a jump takes that ends `rise_m` higher on its way down; for what is too high, to its apex."""
+    over = who.jump_speed_mps**2 - 2 * who.gravity_mps2 * rise_m
+    return (who.jump_speed_mps + np.sqrt(np.maximum(over, 0.0))) / who.gravity_mps2
 
 
 def _along(pieces: _Pieces) -> Places:
@@ -91,7 +113,7 @@ def _along(pieces: _Pieces) -> Places:
     return Places(pieces.middles[kept], headings[kept], pieces.island[kept], nowhere)
 
 
-def _gaps(pieces: _Pieces, connected: Bools, who: Character) -> Places:
+def _gaps(pieces: _Pieces, connected: Bools, who: Character) -> Gaps:
     """Before gaps between islands that a jump may cross, unless both are connected: of each cell the nearest."""
     apart = np.flatnonzero(~connected[pieces.island])
     reach = who.walk_speed_mps * 2 * who.jump_speed_mps / who.gravity_mps2 + 2 * who.radius_m
@@ -107,12 +129,15 @@ def _gaps(pieces: _Pieces, connected: Bools, who: Character) -> Places:
     kept = _first_of(
         np.column_stack([_cells(pieces.middles[start])[0], target]), np.linalg.norm(away, axis=1), start
     )
-    start, away = start[kept], away[kept]
+    start, end, away = start[kept], end[kept], away[kept]
     opposite = np.hypot(away[:, 0], away[:, 1]) > FLOAT_M  # or right above it
     ways = np.where(opposite[:, None], away[:, :2], pieces.outwards[start])
     positions = pieces.middles[start]
     positions[:, :2] -= RUN_UP_M * ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    return Places(positions, heading_of(ways), pieces.island[start], target[kept])
+    landings = pieces.middles[end]
+    landings[:, :2] -= LANDING_M * pieces.outwards[end]
+    before = Places(positions, heading_of(ways), pieces.island[start], target[kept])
+    return Gaps(before, pieces.middles[start], pieces.outwards[start], landings)
 
 
 def _closure(connected: Bools, gaps: Places) -> Bools:

@@ -41,7 +41,7 @@ class Replayer:
         simulator: Simulator,
         points: Points,
         seed: int,
-        headings: NDArray[np.int8] | None = None,
+        headings: NDArray[np.int16] | None = None,
     ) -> None:
         """`headings` [rounds, lanes] of the directed lanes; None: there were none."""
         self._simulator, self._points, self._seed, self._headings = simulator, points, seed, headings

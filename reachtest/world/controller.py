@@ -17,6 +17,7 @@ import numpy as np
 
 from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, Ints
+from reachtest.walking import Walk
 
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
 LEVEL_NXY = 0.02  # a normal with less of a horizontal part has no say in horizontal movement
@@ -93,9 +94,7 @@ class Controller:
         self.character = c = character
         self.slope_cos = float(np.cos(np.radians(c.slope_limit_deg)))
         self._g_dt = c.gravity_mps2 * timestep_s
-        self._turn = min(c.ground_friction * timestep_s, 1.0)
-        self._push = c.acceleration_mps2 * timestep_s
-        self._brake = c.braking_mps2 * timestep_s
+        self._rule = Walk.of(c, timestep_s)
         self._air_push = c.air_control * c.acceleration_mps2 * timestep_s
 
     def plan(self, velocity: Floats, contacts: Contacts, grounded: Bools, stick: Stick) -> Plan:
@@ -130,19 +129,11 @@ class Controller:
         return touches
 
     def _walk(self, flat: Floats, stick: Stick) -> Floats:
-        """Ground velocity [B, 2]: friction turns it towards the stick, then it accelerates or brakes.
-
-        The update of Unreal's UCharacterMovementComponent::CalcVelocity, in its documented parameters.
-        """
-        c = self.character
+        """Ground velocity [B, 2]: towards the stick, or braking."""
         speed = np.hypot(flat[:, 0], flat[:, 1])
-        result = flat * (1.0 - self._turn) + stick.wish * (speed * self._turn + self._push)[:, None]
-        reached = np.hypot(result[:, 0], result[:, 1])
-        result *= (c.walk_speed_mps / np.maximum(reached, c.walk_speed_mps))[:, None]
+        result = self._rule.towards(flat, speed, stick.wish)
         if len(stick.centred):
-            before = speed[stick.centred]
-            after = np.maximum(before * (1.0 - self._turn) - self._brake, 0.0)
-            result[stick.centred] = flat[stick.centred] * (after / np.maximum(before, 1e-9))[:, None]
+            result[stick.centred] = self._rule.braked(flat[stick.centred], speed[stick.centred])
         return result
 
     def _drift(self, flat: Floats, wish: Floats) -> Floats:

@@ -1,0 +1,98 @@
+"""Leaps that are worked out: from where, which way, and after how long a run-up somebody lands across a gap.
+
+A stick has eight directions and an agent step is most of a metre long, so of leaps drawn by chance few leave at the
+edge and towards the other side. What is worked out is a flight over nothing: what stands in the way shows when tried.
+
+Shape legend: m cached points, k starts before a gap, L leaps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from reachtest.explore.actions import AIMED, HEADINGS, RUN_UPS, TURNS, aimed, leap
+from reachtest.explore.places import Gaps, flight_s
+from reachtest.records import Character, ExploreSettings, Floats, Ints
+from reachtest.walking import Walk
+
+NEAR_M = 4.0  # starts are no farther from the edge: a run-up to full speed, and from all sides
+STOREY_M = 0.5  # above or below a slope of 45 degrees from the edge: another storey
+ASIDE_M = 1.0  # along the edge: farther on other gaps begin, and on stairs at other heights
+SPREAD_M = 0.3  # leaps that land so much farther from where they should are taken e times less
+MOST_OFF_M = 2.0  # what lands farther off than that is no leap over this gap
+LEAPS = len(TURNS) * RUN_UPS * HEADINGS  # L: as headings above AIMED count them
+_ANGLES = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
+_WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])  # of a stick
+
+
+class Leaps:
+    """The cached points before each gap, and which of their leaps across it are likely to arrive."""
+
+    def __init__(self, gaps: Gaps, who: Character, settings: ExploreSettings) -> None:
+        """Leaps over `gaps`."""
+        self._gaps, self._who = gaps, who
+        self._edges = cKDTree(gaps.edges)
+        self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
+        self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # where they are,
+        self._tried: list[list[int]] = [[] for _ in gaps.edges]  # and the leaps from them that were drawn
+        self._run_m, self._velocity = _take_offs(who, settings)
+
+    def note(self, positions: Floats, who: Ints) -> None:
+        """Take in cached points `who` [m] that stand at `positions` [m, 3]."""
+        if not len(who) or not self._edges.n:
+            return
+        pairs = cKDTree(positions).sparse_distance_matrix(self._edges, NEAR_M, output_type="ndarray")
+        away = np.abs(self._gaps.edges[pairs["j"]] - positions[pairs["i"]])
+        pairs = np.sort(pairs[away[:, 2] <= np.hypot(away[:, 0], away[:, 1]) + STOREY_M], order=("i", "j"))
+        for point, gap in zip(pairs["i"].tolist(), pairs["j"].tolist(), strict=True):
+            self._points[gap].append(int(who[point]))
+            self._places[gap].append(positions[point])
+
+    def draw(self, rng: np.random.Generator, gap: int) -> tuple[int, int] | None:
+        """The cached point to start from and the heading of a leap over `gap`; None if none is likely to arrive."""
+        if not self._points[gap]:
+            return None
+        weight = self._weights(gap, np.array(self._places[gap])).ravel()
+        weight[self._tried[gap]] = 0.0  # the same start and the same actions end the same way
+        total = np.cumsum(weight)
+        if not total[-1] > 0:
+            return None
+        drawn = min(int(np.searchsorted(total, rng.random() * total[-1], side="right")), len(total) - 1)
+        self._tried[gap].append(drawn)
+        start, number = divmod(drawn, LEAPS)
+        return self._points[gap][start], AIMED + 1 + number
+
+    def _weights(self, gap: int, starts: Floats) -> Floats:
+        """How good each leap over `gap` is from `starts` [k, 3]: [k, L]."""
+        gaps, who = self._gaps, self._who
+        out = gaps.outwards[gap]
+        before = self._run_m - (gaps.edges[gap] - starts)[:, None, :2]  # [k, L, 2] of the edge
+        aside_m = before @ np.array([-out[1], out[0]])
+        possible = (before @ out <= who.radius_m) & (np.abs(aside_m) <= ASIDE_M) & (self._velocity @ out > 0)
+        lands = self._run_m + self._velocity * flight_s(who, gaps.landings[gap, 2] - gaps.edges[gap, 2])
+        to_landing = (gaps.landings[gap] - starts)[:, None, :2]
+        off_m = np.where(possible, np.linalg.norm(lands - to_landing, axis=2), np.inf)
+        best = off_m.min(initial=MOST_OFF_M)
+        return np.where(off_m < MOST_OFF_M, np.exp((best - off_m) / SPREAD_M), 0.0)
+
+
+def _take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats]:
+    """Where leaps from a standstill take off, and how fast: positions and velocities [L, 2]."""
+    rule = Walk.of(who, 1.0 / settings.physics_hz)
+    place, velocity = np.zeros((LEAPS, 2)), np.zeros((LEAPS, 2))
+    result = place.copy(), velocity.copy()
+    sticks = np.zeros((LEAPS, RUN_UPS + 2), dtype=np.int64)
+    last = np.zeros(LEAPS, dtype=np.int64)
+    for number in range(LEAPS):
+        actions = leap(*aimed(AIMED + 1 + number))
+        last[number] = actions[:, 1].argmax()
+        sticks[number] = actions[: RUN_UPS + 2, 0]
+    for step in range(RUN_UPS + 2):
+        for tick in range(settings.action_repeat):
+            velocity = rule.towards(velocity, np.hypot(*velocity.T), _WISH[sticks[:, step]])
+            if tick == 0:  # it jumps with the velocity of this tick, before it moves
+                now = last == step
+                result[0][now], result[1][now] = place[now], velocity[now]
+            place += velocity / settings.physics_hz
+    return result

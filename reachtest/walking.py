@@ -1,0 +1,44 @@
+"""How a walking character's horizontal velocity follows the stick: the rule it moves by, and leaps are worked out with.
+
+The update of Unreal's UCharacterMovementComponent::CalcVelocity, in its documented parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reachtest.records import Character, Floats
+
+
+@dataclass(frozen=True)
+class Walk:
+    """The rule for one time step."""
+
+    turn: float  # share of the velocity that turns towards the stick
+    push: float  # [m/s] that are added towards it
+    brake: float  # [m/s] that are lost without a stick
+    most: float  # [m/s]
+
+    @classmethod
+    def of(cls, who: Character, timestep_s: float) -> Walk:
+        """The rule of `who` for steps of `timestep_s`."""
+        turn = min(who.ground_friction * timestep_s, 1.0)
+        push, brake = who.acceleration_mps2 * timestep_s, who.braking_mps2 * timestep_s
+        return cls(turn, push, brake, who.walk_speed_mps)
+
+    def towards(self, flat: Floats, speed: Floats, wish: Floats) -> Floats:
+        """Velocities [B, 2] a step after `flat` [B, 2], which are so fast [B], with sticks `wish` [B, 2] (unit or zero).
+
+        Friction turns them towards the stick, then they grow, at the most to walking speed.
+        """
+        result = flat * (1.0 - self.turn) + wish * (speed * self.turn + self.push)[:, None]
+        reached = np.hypot(result[:, 0], result[:, 1])
+        result *= (self.most / np.maximum(reached, self.most))[:, None]
+        return result
+
+    def braked(self, flat: Floats, speed: Floats) -> Floats:
+        """Velocities [n, 2] one step after `flat` [n, 2], which are so fast [n], without a stick."""
+        after = np.maximum(speed * (1.0 - self.turn) - self.brake, 0.0)
+        return np.asarray(flat * (after / np.maximum(speed, 1e-9))[:, None], dtype=np.float64)
