@@ -29,7 +29,7 @@ class Walk:
         return cls(turn, push, brake, who.walk_speed_mps)
 
     def towards(self, flat: Floats, speed: Floats, wish: Floats) -> Floats:
-        """Velocities [B, 2] a step after `flat` [B, 2], which are so fast [B], with sticks `wish` [B, 2] (unit or zero).
+        """Velocities [B, 2] a step after `flat` [B, 2], which are so fast [B], with sticks `wish` [B, 2] (unit or 0).
 
         Friction turns them towards the stick, then they grow, at the most to walking speed.
         """

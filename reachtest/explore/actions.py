@@ -24,6 +24,8 @@ RUN_UPS = LEAP_RUN_STEPS + 1
 # How a leap that was worked out turns before it takes off: eighths of a turn, and for how many agent steps. A velocity
 # follows the stick within some tenths of a second, so that these lead between the stick's own directions too.
 TURNS = ((0, 0), (1, 0), (-1, 0), (1, 1), (-1, 1))
+STEPS_ASIDE = HEADINGS + 1  # and it may begin with a step any way: cached points are a metre apart
+AIMED_LEAPS = STEPS_ASIDE * len(TURNS) * RUN_UPS * HEADINGS
 LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
 LEAP_STOP_STEPS = 3  # a pillar is soon run across
 LEAP_WAIT_STEPS = 2  # before a leap that was worked out: whichever way one was running, one then stands
@@ -41,7 +43,7 @@ def action_stream(
     """The actions [steps, 2] (stick 0 to 8, jump 0 or 1) of one agent in one round.
 
     With a `heading` most of them push that way: 1 to 8, 9 to 16 to jump more, 17 to 24 to leap first, 25 to 32 to walk
-    straight on first, above that to leap first as `aimed` says. 0 is for no way in particular.
+    straight on first, above AIMED to leap first as `aimed` says. 0 is for no way in particular.
     """
     jump_share = PUSH_JUMP_SHARE if heading > HEADINGS else jump_share
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(round_, agent)))
@@ -63,16 +65,16 @@ def _first(rng: np.random.Generator, heading: int) -> NDArray[np.int8]:
     """What an episode with that `heading` begins with: actions [n, 2]."""
     way = (heading - 1) % 8
     if heading > AIMED:
-        return np.concatenate([np.zeros((LEAP_WAIT_STEPS, 2), dtype=np.int8), leap(*aimed(heading))])
+        return aimed(heading - AIMED - 1)
     if heading > STRAIGHTS:
         return np.tile(np.array([way + 1, 0], dtype=np.int8), (STRAIGHT_STEPS, 1))
     if heading > LEAPS:
         aside, run = rng.choice(LEAP_ASIDE), rng.integers(0, RUN_UPS)
-        return leap((way + int(aside)) % 8, int(run))
+        return _leap((way + int(aside)) % 8, int(run))
     return np.empty((0, 2), dtype=np.int8)
 
 
-def leap(way: int, run: int, aside: int = 0, turning: int = 0) -> NDArray[np.int8]:
+def _leap(way: int, run: int, aside: int = 0, turning: int = 0) -> NDArray[np.int8]:
     """Run `way` (0 to 7) for `run` agent steps, turn `aside` for `turning` more, jump once, and stop where that leads.
 
     Returns actions [n, 2].
@@ -85,10 +87,13 @@ def leap(way: int, run: int, aside: int = 0, turning: int = 0) -> NDArray[np.int
     return actions
 
 
-def aimed(heading: int) -> tuple[int, int, int, int]:
-    """What `leap` is asked for by a heading above AIMED."""
-    turn, run, way = np.unravel_index(heading - AIMED - 1, (len(TURNS), RUN_UPS, HEADINGS))
-    return int(way), int(run), *TURNS[turn]
+def aimed(number: int) -> NDArray[np.int8]:
+    """One of the AIMED_LEAPS: stand, perhaps step aside, and leap; actions [n, 2]."""
+    shape = (STEPS_ASIDE, len(TURNS), RUN_UPS, HEADINGS)
+    step, turn, run, way = (int(part) for part in np.unravel_index(number, shape))
+    stand = np.zeros((LEAP_WAIT_STEPS, 2), dtype=np.int8)
+    aside = np.array([[step, 0]] if step else np.empty((0, 2)), dtype=np.int8)
+    return np.concatenate([stand, aside, _leap(way, run, *TURNS[turn])])
 
 
 def heading_of(away: Floats) -> Ints:

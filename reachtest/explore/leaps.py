@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import AIMED, HEADINGS, RUN_UPS, TURNS, aimed, leap
+from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, aimed
 from reachtest.explore.places import Gaps, flight_s
 from reachtest.records import Character, ExploreSettings, Floats, Ints
 from reachtest.walking import Walk
@@ -21,9 +21,9 @@ STOREY_M = 0.5  # above or below a slope of 45 degrees from the edge: another st
 ASIDE_M = 1.0  # along the edge: farther on other gaps begin, and on stairs at other heights
 SPREAD_M = 0.3  # leaps that land so much farther from where they should are taken e times less
 MOST_OFF_M = 2.0  # what lands farther off than that is no leap over this gap
-LEAPS = len(TURNS) * RUN_UPS * HEADINGS  # L: as headings above AIMED count them
+STARTS_AT_ONCE = 8  # of those before a gap: all would take a millisecond
 _ANGLES = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
-_WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])  # of a stick
+_WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])
 
 
 class Leaps:
@@ -35,7 +35,9 @@ class Leaps:
         self._edges = cKDTree(gaps.edges)
         self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
         self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # where they are,
-        self._tried: list[list[int]] = [[] for _ in gaps.edges]  # and the leaps from them that were drawn
+        self._tried: list[list[tuple[int, int]]] = [
+            [] for _ in gaps.edges
+        ]  # and the leaps from them that were drawn
         self._run_m, self._velocity = _take_offs(who, settings)
 
     def note(self, positions: Floats, who: Ints) -> None:
@@ -53,14 +55,17 @@ class Leaps:
         """The cached point to start from and the heading of a leap over `gap`; None if none is likely to arrive."""
         if not self._points[gap]:
             return None
-        weight = self._weights(gap, np.array(self._places[gap])).ravel()
-        weight[self._tried[gap]] = 0.0  # the same start and the same actions end the same way
+        known = len(self._points[gap])
+        some = rng.choice(known, min(known, STARTS_AT_ONCE), replace=False)
+        weight = self._weights(gap, np.array([self._places[gap][start] for start in some]))
+        for start, number in self._tried[gap]:  # the same start and the same actions end the same way
+            weight[some == start, number] = 0.0
         total = np.cumsum(weight)
         if not total[-1] > 0:
             return None
         drawn = min(int(np.searchsorted(total, rng.random() * total[-1], side="right")), len(total) - 1)
-        self._tried[gap].append(drawn)
-        start, number = divmod(drawn, LEAPS)
+        start, number = int(some[drawn // AIMED_LEAPS]), drawn % AIMED_LEAPS
+        self._tried[gap].append((start, number))
         return self._points[gap][start], AIMED + 1 + number
 
     def _weights(self, gap: int, starts: Floats) -> Floats:
@@ -78,21 +83,22 @@ class Leaps:
 
 
 def _take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats]:
-    """Where leaps from a standstill take off, and how fast: positions and velocities [L, 2]."""
+    """Where the leaps take off when they begin at rest, and how fast: positions and velocities [L, 2]."""
     rule = Walk.of(who, 1.0 / settings.physics_hz)
-    place, velocity = np.zeros((LEAPS, 2)), np.zeros((LEAPS, 2))
-    result = place.copy(), velocity.copy()
-    sticks = np.zeros((LEAPS, RUN_UPS + 2), dtype=np.int64)
-    last = np.zeros(LEAPS, dtype=np.int64)
-    for number in range(LEAPS):
-        actions = leap(*aimed(AIMED + 1 + number))
-        last[number] = actions[:, 1].argmax()
-        sticks[number] = actions[: RUN_UPS + 2, 0]
-    for step in range(RUN_UPS + 2):
+    leaps = [aimed(number) for number in range(AIMED_LEAPS)]
+    last = np.array([leap[:, 1].argmax() for leap in leaps])
+    sticks = np.zeros((AIMED_LEAPS, last.max() + 1), dtype=np.int64)
+    for number, leap in enumerate(leaps):
+        sticks[number, : last[number] + 1] = leap[: last[number] + 1, 0]
+    place, velocity = np.zeros((AIMED_LEAPS, 2)), np.zeros((AIMED_LEAPS, 2))
+    take_off = place.copy(), velocity.copy()
+    for step, stick in enumerate(sticks.T):
         for tick in range(settings.action_repeat):
-            velocity = rule.towards(velocity, np.hypot(*velocity.T), _WISH[sticks[:, step]])
+            speed = np.hypot(velocity[:, 0], velocity[:, 1])
+            pushed = rule.towards(velocity, speed, _WISH[stick])
+            velocity = np.where(stick[:, None] > 0, pushed, rule.braked(velocity, speed))
             if tick == 0:  # it jumps with the velocity of this tick, before it moves
                 now = last == step
-                result[0][now], result[1][now] = place[now], velocity[now]
-            place += velocity / settings.physics_hz
-    return result
+                take_off[0][now], take_off[1][now] = place[now], velocity[now]
+            place = place + velocity / settings.physics_hz
+    return take_off

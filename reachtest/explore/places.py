@@ -19,7 +19,7 @@ SPACING_M = 2.0  # between places: who pushes at one comes by both sides of it
 PIECE_M = 1.0  # of the border: places are chosen among these, evenly to within one
 OUTERMOST_M = 8.0  # what goes on behind the border that far may be an alley along the world's end
 RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
-LANDING_M = 0.4  # behind a gap: not on the very edge
+LANDING_M = 0.6  # behind a gap: not on the very edge
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 NOWHERE = -1  # the target of places that no island lies opposite
 
@@ -132,10 +132,10 @@ def _gaps(pieces: _Pieces, connected: Bools, who: Character) -> Gaps:
     start, end, away = start[kept], end[kept], away[kept]
     opposite = np.hypot(away[:, 0], away[:, 1]) > FLOAT_M  # or right above it
     ways = np.where(opposite[:, None], away[:, :2], pieces.outwards[start])
-    positions = pieces.middles[start]
-    positions[:, :2] -= RUN_UP_M * ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    landings = pieces.middles[end]
-    landings[:, :2] -= LANDING_M * pieces.outwards[end]
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    positions, landings = pieces.middles[start], pieces.middles[end]
+    positions[:, :2] -= RUN_UP_M * ways
+    landings[:, :2] += LANDING_M * ways
     before = Places(positions, heading_of(ways), pieces.island[start], target[kept])
     return Gaps(before, pieces.middles[start], pieces.outwards[start], landings)
 
