@@ -14,6 +14,8 @@ from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import OUTWARDS, Bools, Candidates, Level
 
+AFTERWARDS = 2.0  # times as many lanes once all goals are reached that were promised
+
 
 class Directed:
     """The directed lanes' purposes: goals as long as some are open, and the border always.
@@ -30,9 +32,10 @@ class Directed:
     ) -> Aim | None:
         """What the directed lanes of round `number` do; None if nothing."""
         self._footholds.note(cache.positions, candidates.grounded)
-        lanes = _whole(self._lanes, number)
-        share = OUTWARDS if self.aims.promised_open else 1.0 - OUTWARDS
-        outwards = min(_whole(share * self._lanes, number), lanes)
+        open_ = self.aims.promised_open
+        share = self._lanes if open_ else AFTERWARDS * self._lanes
+        lanes = _whole(share, number)
+        outwards = min(_whole(share * (OUTWARDS if open_ else 1.0 - OUTWARDS), number), lanes)
         self.aims.add(self._footholds.goals)
         goals = self.aims.draw(rng, lanes - outwards, cache, candidates)
         border = self.borders.draw(rng, lanes if goals is None else outwards, cache, candidates)

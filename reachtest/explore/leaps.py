@@ -57,7 +57,9 @@ class Leaps:
             return None
         known = len(self._points[gap])
         some = rng.choice(known, min(known, STARTS_AT_ONCE), replace=False)
-        weight = self._weights(gap, np.array([self._places[gap][start] for start in some]))
+        landings = self._gaps.landings[gap]
+        landing = landings[rng.integers(len(landings))]
+        weight = self._weights(gap, np.array([self._places[gap][start] for start in some]), landing)
         for start, number in self._tried[gap]:  # the same start and the same actions end the same way
             weight[some == start, number] = 0.0
         total = np.cumsum(weight)
@@ -68,15 +70,15 @@ class Leaps:
         self._tried[gap].append((start, number))
         return self._points[gap][start], AIMED + 1 + number
 
-    def _weights(self, gap: int, starts: Floats) -> Floats:
-        """How good each leap over `gap` is from `starts` [k, 3]: [k, L]."""
+    def _weights(self, gap: int, starts: Floats, landing: Floats) -> Floats:
+        """How good each leap over `gap` to `landing` [3] is from `starts` [k, 3]: [k, L]."""
         gaps, who = self._gaps, self._who
         out = gaps.outwards[gap]
         before = self._run_m - (gaps.edges[gap] - starts)[:, None, :2]  # [k, L, 2] of the edge
         aside_m = before @ np.array([-out[1], out[0]])
         possible = (before @ out <= who.radius_m) & (np.abs(aside_m) <= ASIDE_M) & (self._velocity @ out > 0)
-        lands = self._run_m + self._velocity * flight_s(who, gaps.landings[gap, 2] - gaps.edges[gap, 2])
-        to_landing = (gaps.landings[gap] - starts)[:, None, :2]
+        lands = self._run_m + self._velocity * flight_s(who, landing[2] - gaps.edges[gap, 2])
+        to_landing = (landing - starts)[:, None, :2]
         off_m = np.where(possible, np.linalg.norm(lands - to_landing, axis=2), np.inf)
         best = off_m.min(initial=MOST_OFF_M)
         return np.where(off_m < MOST_OFF_M, np.exp((best - off_m) / SPREAD_M), 0.0)

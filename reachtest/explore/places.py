@@ -19,7 +19,7 @@ SPACING_M = 2.0  # between places: who pushes at one comes by both sides of it
 PIECE_M = 1.0  # of the border: places are chosen among these, evenly to within one
 OUTERMOST_M = 8.0  # what goes on behind the border that far may be an alley along the world's end
 RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
-LANDING_M = 0.6  # behind a gap: not on the very edge
+LANDING_M = 0.4  # behind a gap: not on the very edge
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 NOWHERE = -1  # the target of places that no island lies opposite
 
@@ -46,12 +46,15 @@ class Gaps:
     places: Places  # before them, with room to run up
     edges: Floats  # [n, 3] of the nav-mesh on this side
     outwards: Floats  # [n, 2] straight over that edge
-    landings: Floats  # [n, 3] a little way into the nav-mesh on the other side
+    landings: tuple[
+        Floats, ...
+    ]  # n of [k, 3] a little way into the nav-mesh on the other side, the nearest first
 
     def on(self, islands: Bools) -> Gaps:
         """Those before which `islands` [I] are."""
         kept = islands[self.places.island]
-        return Gaps(self.places.on(islands), self.edges[kept], self.outwards[kept], self.landings[kept])
+        landings = tuple(self.landings[number] for number in np.flatnonzero(kept))
+        return Gaps(self.places.on(islands), self.edges[kept], self.outwards[kept], landings)
 
 
 @dataclass(frozen=True)
@@ -125,19 +128,27 @@ def _gaps(pieces: _Pieces, connected: Bools, who: Character) -> Gaps:
     away = pieces.middles[end] - pieces.middles[start]
     good = (pieces.island[start] != pieces.island[end]) & jump_carries(who, away)
     start, end, away = start[good], end[good], away[good]
-    target = pieces.island[end]
+    order = np.lexsort((np.linalg.norm(away, axis=1), pieces.island[end], start))
+    start, end, away = start[order], end[order], away[order]
+    pair = np.column_stack([start, pieces.island[end]])  # a piece of the border, and an island opposite
+    first = np.flatnonzero(np.append(True, (pair[1:] != pair[:-1]).any(axis=1))[: len(pair)])
+    cell, _ = _cells(pieces.middles[start[first]])
     kept = _first_of(
-        np.column_stack([_cells(pieces.middles[start])[0], target]), np.linalg.norm(away, axis=1), start
+        np.column_stack([cell, pair[first, 1]]), np.linalg.norm(away[first], axis=1), start[first]
     )
-    start, end, away = start[kept], end[kept], away[kept]
-    opposite = np.hypot(away[:, 0], away[:, 1]) > FLOAT_M  # or right above it
-    ways = np.where(opposite[:, None], away[:, :2], pieces.outwards[start])
-    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    positions, landings = pieces.middles[start], pieces.middles[end]
-    positions[:, :2] -= RUN_UP_M * ways
-    landings[:, :2] += LANDING_M * ways
-    before = Places(positions, heading_of(ways), pieces.island[start], target[kept])
-    return Gaps(before, pieces.middles[start], pieces.outwards[start], landings)
+    begin, stop = first[kept], np.append(first, len(pair))[kept + 1]
+    positions, ways = pieces.middles[start[begin]], away[begin, :2]
+    above = np.hypot(ways[:, 0], ways[:, 1]) <= FLOAT_M
+    ways[above] = pieces.outwards[start[begin]][above]
+    positions[:, :2] -= RUN_UP_M * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    inside = pieces.middles[end]
+    inside[:, :2] -= LANDING_M * pieces.outwards[end]
+    return Gaps(
+        Places(positions, heading_of(ways), pieces.island[start[begin]], pair[begin, 1]),
+        pieces.middles[start[begin]],
+        pieces.outwards[start[begin]],
+        tuple(inside[one:last] for one, last in zip(begin.tolist(), stop.tolist(), strict=True)),
+    )
 
 
 def _closure(connected: Bools, gaps: Places) -> Bools:
