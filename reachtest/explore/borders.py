@@ -18,8 +18,9 @@ from reachtest.explore.actions import HEADINGS, LEAPS
 from reachtest.explore.aim import Aim
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.footholds import Footholds
+from reachtest.explore.gaps import Gaps
 from reachtest.explore.leaps import Leaps
-from reachtest.explore.places import NOWHERE, Gaps, Places, outermost
+from reachtest.explore.places import NOWHERE, Places, outermost
 from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to

@@ -8,11 +8,11 @@ from reachtest.explore.aim import Aim, Aims
 from reachtest.explore.borders import Borders
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.footholds import Footholds
+from reachtest.explore.gaps import places_to_push
 from reachtest.explore.goals import GoalSet
-from reachtest.explore.places import places_to_push
 from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands
-from reachtest.records import OUTWARDS, Bools, Candidates, Level
+from reachtest.records import OUTWARDS, Bools, Candidates, ExploreSettings, Level
 
 AFTERWARDS = 2.0  # times as many lanes once all goals are reached that were promised
 
@@ -23,19 +23,21 @@ class Directed:
     Goals where one was promised to get come first; those on islands that somebody got onto all the same are extra.
     """
 
-    def __init__(self, aims: Aims, borders: Borders, footholds: Footholds, lanes: float) -> None:
-        """`lanes` of every round are directed, on the average."""
-        self.aims, self.borders, self._footholds, self._lanes = aims, borders, footholds, lanes
+    def __init__(self, aims: Aims, borders: Borders, footholds: Footholds, settings: ExploreSettings) -> None:
+        self.aims, self.borders, self._footholds = aims, borders, footholds
+        self._lanes, self._all = settings.directed * settings.lanes, float(settings.lanes)  # of every round
 
     def draw(
         self, rng: np.random.Generator, number: int, cache: PositionCache, candidates: Candidates
     ) -> Aim | None:
         """What the directed lanes of round `number` do; None if nothing."""
         self._footholds.note(cache.positions, candidates.grounded)
-        open_ = self.aims.promised_open
-        share = self._lanes if open_ else AFTERWARDS * self._lanes
-        lanes = _whole(share, number)
-        outwards = min(_whole(share * (OUTWARDS if open_ else 1.0 - OUTWARDS), number), lanes)
+        if self.aims.promised_open:
+            some, share = self._lanes, OUTWARDS
+        else:
+            some, share = min(AFTERWARDS * self._lanes, self._all), 1.0 - OUTWARDS
+        lanes = _whole(some, number)
+        outwards = min(_whole(share * some, number), lanes)
         self.aims.add(self._footholds.goals)
         goals = self.aims.draw(rng, lanes - outwards, cache, candidates)
         border = self.borders.draw(rng, lanes if goals is None else outwards, cache, candidates)
@@ -54,7 +56,7 @@ def directed(level: Level, goals: GoalSet, wanted: Bools, islands: Islands, on: 
     aims = Aims(goals, wanted, level.explore.goal_spacing_m)
     along, gaps = places_to_push(islands, on.connected, level.character)
     borders = Borders(along, gaps, footholds, level.character, level.explore)
-    return Directed(aims, borders, footholds, level.explore.directed * level.explore.lanes)
+    return Directed(aims, borders, footholds, level.explore)
 
 
 def _whole(lanes: float, number: int) -> int:

@@ -8,11 +8,13 @@ Shape legend: m cached points, k starts before a gap, L leaps.
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, aimed
-from reachtest.explore.places import Gaps, flight_s
+from reachtest.explore.gaps import Gaps, flight_s
 from reachtest.records import Character, ExploreSettings, Floats, Ints
 from reachtest.walking import Walk
 
@@ -34,11 +36,9 @@ class Leaps:
         self._gaps, self._who = gaps, who
         self._edges = cKDTree(gaps.edges)
         self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
-        self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # where they are,
-        self._tried: list[list[tuple[int, int]]] = [
-            [] for _ in gaps.edges
-        ]  # and the leaps from them that were drawn
-        self._run_m, self._velocity = _take_offs(who, settings)
+        self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
+        self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
+        self._run_m, self._velocity = take_offs(who, settings)
 
     def note(self, positions: Floats, who: Ints) -> None:
         """Take in cached points `who` [m] that stand at `positions` [m, 3]."""
@@ -60,15 +60,15 @@ class Leaps:
         landings = self._gaps.landings[gap]
         landing = landings[rng.integers(len(landings))]
         weight = self._weights(gap, np.array([self._places[gap][start] for start in some]), landing)
-        for start, number in self._tried[gap]:  # the same start and the same actions end the same way
-            weight[some == start, number] = 0.0
+        for row, start in enumerate(some.tolist()):  # the same start and the same actions end the same way
+            weight[row, self._drawn[self._points[gap][start]]] = 0.0
         total = np.cumsum(weight)
         if not total[-1] > 0:
             return None
         drawn = min(int(np.searchsorted(total, rng.random() * total[-1], side="right")), len(total) - 1)
-        start, number = int(some[drawn // AIMED_LEAPS]), drawn % AIMED_LEAPS
-        self._tried[gap].append((start, number))
-        return self._points[gap][start], AIMED + 1 + number
+        start, number = self._points[gap][some[drawn // AIMED_LEAPS]], drawn % AIMED_LEAPS
+        self._drawn[start].append(number)
+        return start, AIMED + 1 + number
 
     def _weights(self, gap: int, starts: Floats, landing: Floats) -> Floats:
         """How good each leap over `gap` to `landing` [3] is from `starts` [k, 3]: [k, L]."""
@@ -84,7 +84,7 @@ class Leaps:
         return np.where(off_m < MOST_OFF_M, np.exp((best - off_m) / SPREAD_M), 0.0)
 
 
-def _take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats]:
+def take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats]:
     """Where the leaps take off when they begin at rest, and how fast: positions and velocities [L, 2]."""
     rule = Walk.of(who, 1.0 / settings.physics_hz)
     leaps = [aimed(number) for number in range(AIMED_LEAPS)]

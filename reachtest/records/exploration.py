@@ -222,7 +222,7 @@ class Exploration:
     settings: ExploreSettings
     timing: dict[str, float]  # physics_s, cache_s, rest_s, wall_s
     headings: NDArray[np.int16] = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int16))
-    # [rounds, B] the way each directed lane pushed (1 to 8 by 45 degrees, 9 to 16 jumping more); 0 for the others
+    # [rounds, B] what each directed lane began with (see `explore.actions.action_stream`); 0 for the others
     goal_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     # [G] directed at it since a goal of the same open part was reached last
     goal_border_m: Floats = field(default_factory=lambda: np.zeros(0))  # [G] nearest place they began at

@@ -7,13 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import HEADINGS, LEAPS, action_stream
+from reachtest.explore.actions import AIMED, HEADINGS, LEAPS, action_stream
 from reachtest.explore.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.footholds import Footholds
-from reachtest.explore.places import RUN_UP_M, SPACING_M, Places, outermost, places_to_push
+from reachtest.explore.gaps import RUN_UP_M, Gaps, places_to_push
+from reachtest.explore.places import NOWHERE, SPACING_M, Places, outermost
 from reachtest.navmesh.islands import Islands
-from reachtest.records import Candidates, NavMesh, StepResult
+from reachtest.records import Candidates, ExploreSettings, NavMesh, StepResult
 from tests.levels import UNREAL
 from tests.unit.explore.walker import KILL_Z_M, LEVEL, Run, Walker, stands
 
@@ -30,7 +31,7 @@ def mesh(*rectangles) -> NavMesh:
     return NavMesh("", triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
 
 
-def places(*rectangles) -> tuple[Places, Places]:
+def places(*rectangles) -> tuple[Places, Gaps]:
     """Along the border, and at gaps; a spawn is on the first rectangle."""
     islands = Islands(mesh(*rectangles))
     return places_to_push(islands, np.arange(islands.count) == 0, UNREAL)
@@ -44,7 +45,9 @@ def watched(*rectangles) -> tuple[Borders, Footholds]:
     islands = Islands(mesh(*rectangles))
     connected = np.arange(islands.count) == 0
     footholds = Footholds(islands, connected, np.arange(islands.count))
-    return Borders(*places_to_push(islands, connected, UNREAL), footholds), footholds
+    return Borders(
+        *places_to_push(islands, connected, UNREAL), footholds, UNREAL, ExploreSettings()
+    ), footholds
 
 
 UNIT = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4])
@@ -73,7 +76,7 @@ RING = ((0, 0, SIDE, 9), (0, 15, SIDE, SIDE), (0, 9, 9, 15), (15, 9, SIDE, 15)) 
 
 def test_places_stand_evenly_along_the_border_and_look_straight_out() -> None:
     along, gaps = places(*RING)
-    assert not len(gaps.positions)
+    assert not len(gaps.places.positions)
     positions, outwards = along.positions, UNIT[along.headings - 1]
     block = (np.abs(positions[:, :2] - SIDE / 2) <= 3.01).all(axis=1)
     centre = np.where(block[:, None], -1.0, 1.0) * (positions[:, :2] - SIDE / 2)
@@ -92,7 +95,7 @@ def test_places_stand_evenly_along_the_border_and_look_straight_out() -> None:
 def test_only_the_border_of_what_counts_is_tried() -> None:
     along, gaps = places(SQUARE, (40, 0, 50, 10))  # too far for a jump
     assert along.positions[:, 0].max() <= SIDE
-    assert not len(gaps.positions)
+    assert not len(gaps.places.positions)
 
 
 def test_the_world_ends_where_no_nav_mesh_comes_after_the_border() -> None:
@@ -119,7 +122,7 @@ def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: f
     """5.1 m flat and 0.9 m up, and a radius from the edge on both sides."""
     x = SIDE + gap_m
     along, gaps = places(SQUARE, (x, 8, x + 3, 11, rise_m))
-    there = gaps.positions[gaps.island == 0]
+    there = gaps.places.positions[gaps.places.island == 0]
     assert (len(there) > 0) is within
     assert (
         bool(along.positions[:, 0].max() > SIDE) is within
@@ -127,25 +130,25 @@ def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: f
     if within:
         assert (np.abs(there[:, :2] - SIDE / 2) < SIDE / 2).all()  # on this side, with room to run up
         assert np.abs(there[:, 0] - (SIDE - RUN_UP_M)).min() < 0.1
-        assert set(gaps.target) == {0, 1} or rise_m > 0  # and back
+        assert set(gaps.places.target) == {0, 1} or rise_m > 0  # and back
 
 
 def test_jumps_are_followed_from_island_to_island() -> None:
     along, gaps = places(SQUARE, *((x, 8, x + 3, 11) for x in (27, 33, 39, 70)))
-    assert set(gaps.target) == {0, 1, 2, 3}
+    assert set(gaps.places.target) == {0, 1, 2, 3}
     assert 41 < along.positions[:, 0].max() < 43
 
 
 def test_between_connected_islands_there_is_nothing_to_try() -> None:
     islands = Islands(mesh(SQUARE, (27, 8, 30, 11)))
-    assert not len(places_to_push(islands, np.ones(2, dtype=bool), UNREAL)[1].positions)
+    assert not len(places_to_push(islands, np.ones(2, dtype=bool), UNREAL)[1].edges)
 
 
 def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> None:
     table, footholds = watched(SQUARE, (27, 8, 30, 11))
     near, far = [SIDE - RUN_UP_M, 9.5, 0], [28.5, 9.5, 0]
     along, gaps = places(SQUARE, (27, 8, 30, 11))
-    rows = len(along.positions) + np.flatnonzero(gaps.island == 0)
+    rows = len(along.positions) + np.flatnonzero(gaps.places.island == 0)
 
     def drawn(*positions):
         cache, candidates = cached(positions)
@@ -156,7 +159,13 @@ def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> Non
 
     across, headings = drawn(near)
     assert across.sum() >= 40 / 5
-    assert set(headings[across]) <= {LEAPS + 8, LEAPS + 1, LEAPS + 2}  # east, give or take
+    by_chance = headings[across][headings[across] <= AIMED]
+    assert len(by_chance)
+    assert set(by_chance) <= {
+        LEAPS + 8,
+        LEAPS + 1,
+        LEAPS + 2,
+    }  # east, give or take; the others are worked out
     before = len(border_of(table))
     across, _ = drawn(near, far)
     assert not across.any()
@@ -317,3 +326,13 @@ def test_a_gap_in_a_long_fence_is_found_by_more_seeds_than_without(monkeypatch: 
     monkeypatch.setattr(Borders, "draw", lambda *_: None)
     assert pushing >= 28  # of 60 seeds 43 find it, and 20 without
     assert pushing >= found() + 12
+
+
+def test_islands_take_turns_however_many_gaps_lead_to_them() -> None:
+    wide, small = (27, 2, 30, 22), (8, -5, 11, -3)
+    table, _ = watched(SQUARE, wide, small)
+    drawn = [table.draw(np.random.default_rng(number), 16, *everywhere()) for number in range(20)]
+    across = np.concatenate([table._target[aim.targets] for aim in drawn if aim is not None])
+    tries = np.bincount(across[across != NOWHERE], minlength=3)[1:]
+    assert tries.min() > 20
+    assert np.ptp(tries) <= 2

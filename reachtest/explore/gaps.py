@@ -1,0 +1,110 @@
+"""Gaps between islands of the nav-mesh that a jump may carry over: where it may begin, and where it may land.
+
+Shape legend: n gaps, p pieces of the border, N pairs of them, I islands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from reachtest.explore.actions import heading_of
+from reachtest.explore.places import Pieces, Places, along, cells_of, first_of, pieces_of
+from reachtest.navmesh.islands import Islands
+from reachtest.records import Bools, Character, Floats, Ints
+
+RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
+LANDING_M = 0.4  # behind a gap: not on the very edge
+FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Gaps between islands that a jump may carry over."""
+
+    places: Places  # before them, with room to run up
+    edges: Floats  # [n, 3] of the nav-mesh on this side
+    outwards: Floats  # [n, 2] straight over that edge
+    landings: tuple[Floats, ...]  # n of [k, 3] a little way into the nav-mesh beyond, the nearest first
+
+    def on(self, islands: Bools) -> Gaps:
+        """Those before which `islands` [I] are."""
+        kept = islands[self.places.island]
+        landings = tuple(self.landings[number] for number in np.flatnonzero(kept))
+        return Gaps(self.places.on(islands), self.edges[kept], self.outwards[kept], landings)
+
+
+def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
+    """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to from there."""
+    pieces = pieces_of(islands)
+    gaps = _gaps(pieces, connected, who)
+    likely = _closure(connected, gaps.places)
+    return along(pieces).on(likely), gaps.on(likely)
+
+
+def jump_carries(who: Character, away: Floats) -> Bools:
+    """Whether a running jump may carry by `away` [n, 3] from border to border, were nothing in the way.
+
+    A ballistic flight; the borders of a nav-mesh keep a radius from the edges.
+    """
+    rise = away[:, 2] - FLOAT_M
+    high_enough = rise <= who.jump_speed_mps**2 / (2 * who.gravity_mps2)
+    far = np.hypot(away[:, 0], away[:, 1])
+    carried = who.walk_speed_mps * flight_s(who, rise) + 2 * who.radius_m
+    return np.asarray(high_enough & (far <= carried), dtype=np.bool_)
+
+
+def flight_s(who: Character, rise_m: Floats) -> Floats:
+    """How long a jump takes that ends `rise_m` higher on its way down; for what is too high, to its apex."""
+    over = who.jump_speed_mps**2 - 2 * who.gravity_mps2 * rise_m
+    return (who.jump_speed_mps + np.sqrt(np.maximum(over, 0.0))) / who.gravity_mps2
+
+
+def _gaps(pieces: Pieces, connected: Bools, who: Character) -> Gaps:
+    """Before gaps between islands that a jump may cross, unless both are connected: of each cell the nearest."""
+    start, end, away = _leaps(pieces, connected, who)
+    pair = np.column_stack([start, pieces.island[end]])  # a piece of the border, and an island opposite
+    first = np.flatnonzero(np.append(True, (pair[1:] != pair[:-1]).any(axis=1))[: len(pair)])
+    cell, _ = cells_of(pieces.middles[start[first]])
+    far = np.linalg.norm(away[first], axis=1)
+    kept = first_of(np.column_stack([cell, pair[first, 1]]), far, start[first])
+    begin, stop = first[kept], np.append(first, len(pair))[kept + 1]
+    edge = start[begin]
+    positions, ways = pieces.middles[edge], away[begin, :2]
+    above = np.hypot(ways[:, 0], ways[:, 1]) <= FLOAT_M
+    ways[above] = pieces.outwards[edge][above]
+    positions[:, :2] -= RUN_UP_M * ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    inside = pieces.middles[end]
+    inside[:, :2] -= LANDING_M * pieces.outwards[end]
+    return Gaps(
+        Places(positions, heading_of(ways), pieces.island[edge], pair[begin, 1]),
+        pieces.middles[edge],
+        pieces.outwards[edge],
+        tuple(inside[one:last] for one, last in zip(begin.tolist(), stop.tolist(), strict=True)),
+    )
+
+
+def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints, Floats]:
+    """Pieces of the border [N] that a jump may carry from and to, and the way [N, 3]: by start, island, and length."""
+    apart = np.flatnonzero(~connected[pieces.island])
+    reach = who.walk_speed_mps * 2 * who.jump_speed_mps / who.gravity_mps2 + 2 * who.radius_m
+    everything, some = cKDTree(pieces.middles.reshape(-1, 3)), cKDTree(pieces.middles[apart].reshape(-1, 3))
+    pairs = everything.sparse_distance_matrix(some, reach, output_type="ndarray")
+    one, other = pairs["i"], apart[pairs["j"]]
+    both = connected[pieces.island[one]]  # pairs of two that are apart come both ways of themselves
+    start, end = np.concatenate([one, other[both]]), np.concatenate([other, one[both]])
+    away = pieces.middles[end] - pieces.middles[start]
+    good = (pieces.island[start] != pieces.island[end]) & jump_carries(who, away)
+    start, end, away = start[good], end[good], away[good]
+    order = np.lexsort((np.linalg.norm(away, axis=1), pieces.island[end], start))
+    return start[order], end[order], away[order]
+
+
+def _closure(connected: Bools, gaps: Places) -> Bools:
+    """The islands [I] that one may get to from the `connected` ones, jump by jump."""
+    result = connected.copy()
+    while (new := gaps.target[result[gaps.island] & ~result[gaps.target]]).size:
+        result[new] = True
+    return result
