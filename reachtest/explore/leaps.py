@@ -9,11 +9,12 @@ Shape legend: m cached points, k starts before a gap, L leaps.
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, aimed
+from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, LEAP_FLIGHT_STEPS, aimed
 from reachtest.explore.gaps import Gaps, flight_s
 from reachtest.records import Character, ExploreSettings, Floats, Ints
 from reachtest.walking import Walk
@@ -28,6 +29,15 @@ _ANGLES = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
 _WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])
 
 
+@dataclass(frozen=True)
+class TakeOffs:
+    """Where the leaps take off when they begin at rest, how fast, and where they push in the air."""
+
+    places: Floats  # [L, 2]
+    velocities: Floats  # [L, 2]
+    pushes: Floats  # [L, 2] unit vectors
+
+
 class Leaps:
     """The cached points before each gap, and which of their leaps across it are likely to arrive."""
 
@@ -38,7 +48,8 @@ class Leaps:
         self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
         self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
         self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
-        self._run_m, self._velocity = take_offs(who, settings)
+        self._leaps = take_offs(who, settings)
+        self._pushed_s = LEAP_FLIGHT_STEPS * settings.action_repeat / settings.physics_hz
 
     def note(self, positions: Floats, who: Ints) -> None:
         """Take in cached points `who` [m] that stand at `positions` [m, 3]."""
@@ -72,20 +83,28 @@ class Leaps:
 
     def _weights(self, gap: int, starts: Floats, landing: Floats) -> Floats:
         """How good each leap over `gap` to `landing` [3] is from `starts` [k, 3]: [k, L]."""
-        gaps, who = self._gaps, self._who
-        out = gaps.outwards[gap]
-        before = self._run_m - (gaps.edges[gap] - starts)[:, None, :2]  # [k, L, 2] of the edge
-        aside_m = before @ np.array([-out[1], out[0]])
-        possible = (before @ out <= who.radius_m) & (np.abs(aside_m) <= ASIDE_M) & (self._velocity @ out > 0)
-        lands = self._run_m + self._velocity * flight_s(who, landing[2] - gaps.edges[gap, 2])
-        to_landing = (landing - starts)[:, None, :2]
-        off_m = np.where(possible, np.linalg.norm(lands - to_landing, axis=2), np.inf)
+        edge, out = self._gaps.edges[gap], self._gaps.outwards[gap]
+        leaps, radius_m = self._leaps, self._who.radius_m
+        before = leaps.places - (edge - starts)[:, None, :2]  # [k, L, 2] the edge
+        aside_m = np.abs(before @ np.array([-out[1], out[0]]))
+        possible = (before @ out <= radius_m) & (aside_m <= ASIDE_M) & (leaps.velocities @ out > 0)
+        lands = leaps.places + self._flown(float(flight_s(self._who, landing[2] - edge[2])))
+        off_m = np.linalg.norm(lands - (landing - starts)[:, None, :2], axis=2)
+        off_m[~possible] = np.inf
         best = off_m.min(initial=MOST_OFF_M)
         return np.where(off_m < MOST_OFF_M, np.exp((best - off_m) / SPREAD_M), 0.0)
 
+    def _flown(self, time_s: float) -> Floats:
+        """How far the leaps carry within `time_s` in the air [L, 2]: there the stick pushes on, as far as it can."""
+        who, velocity, pushed_s = self._who, self._leaps.velocities, min(time_s, self._pushed_s)
+        after = velocity + who.air_control * who.acceleration_mps2 * pushed_s * self._leaps.pushes
+        most = np.maximum(np.hypot(velocity[:, 0], velocity[:, 1]), who.walk_speed_mps)
+        after *= (most / np.maximum(np.hypot(after[:, 0], after[:, 1]), most))[:, None]
+        return np.asarray((velocity + after) / 2 * pushed_s + after * (time_s - pushed_s), dtype=np.float64)
 
-def take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats]:
-    """Where the leaps take off when they begin at rest, and how fast: positions and velocities [L, 2]."""
+
+def take_offs(who: Character, settings: ExploreSettings) -> TakeOffs:
+    """What becomes of each of the leaps by the time it jumps."""
     rule = Walk.of(who, 1.0 / settings.physics_hz)
     leaps = [aimed(number) for number in range(AIMED_LEAPS)]
     last = np.array([leap[:, 1].argmax() for leap in leaps])
@@ -93,7 +112,7 @@ def take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats
     for number, leap in enumerate(leaps):
         sticks[number, : last[number] + 1] = leap[: last[number] + 1, 0]
     place, velocity = np.zeros((AIMED_LEAPS, 2)), np.zeros((AIMED_LEAPS, 2))
-    take_off = place.copy(), velocity.copy()
+    places, velocities = place.copy(), velocity.copy()
     for step, stick in enumerate(sticks.T):
         for tick in range(settings.action_repeat):
             speed = np.hypot(velocity[:, 0], velocity[:, 1])
@@ -101,6 +120,6 @@ def take_offs(who: Character, settings: ExploreSettings) -> tuple[Floats, Floats
             velocity = np.where(stick[:, None] > 0, pushed, rule.braked(velocity, speed))
             if tick == 0:  # it jumps with the velocity of this tick, before it moves
                 now = last == step
-                take_off[0][now], take_off[1][now] = place[now], velocity[now]
+                places[now], velocities[now] = place[now], velocity[now]
             place = place + velocity / settings.physics_hz
-    return take_off
+    return TakeOffs(places, velocities, _WISH[sticks[np.arange(AIMED_LEAPS), last]])
