@@ -56,10 +56,11 @@ def jump_carries(who: Character, away: Floats) -> Bools:
     return np.asarray(high_enough & (far <= carried), dtype=np.bool_)
 
 
-def flight_s(who: Character, rise_m: Floats) -> Floats:
+def flight_s(who: Character, rise_m: Floats | float) -> Floats:
     """How long a jump takes that ends `rise_m` higher on its way down; for what is too high, to its apex."""
     over = who.jump_speed_mps**2 - 2 * who.gravity_mps2 * rise_m
-    return (who.jump_speed_mps + np.sqrt(np.maximum(over, 0.0))) / who.gravity_mps2
+    seconds = (who.jump_speed_mps + np.sqrt(np.maximum(over, 0.0))) / who.gravity_mps2
+    return np.asarray(seconds, dtype=np.float64)
 
 
 def _gaps(pieces: Pieces, connected: Bools, who: Character) -> Gaps:

@@ -25,6 +25,7 @@ ASIDE_M = 1.0  # along the edge: farther on other gaps begin, and on stairs at o
 SPREAD_M = 0.3  # leaps that land so much farther from where they should are taken e times less
 MOST_OFF_M = 2.0  # what lands farther off than that is no leap over this gap
 STARTS_AT_ONCE = 8  # of those before a gap: all would take a millisecond
+RISE_M = 0.05  # within it flights last as long
 _ANGLES = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
 _WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])
 
@@ -49,6 +50,7 @@ class Leaps:
         self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
         self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
         self._leaps = take_offs(who, settings)
+        self._carries: dict[int, Floats] = {}  # [L, 2] by rise
         self._pushed_s = LEAP_FLIGHT_STEPS * settings.action_repeat / settings.physics_hz
 
     def note(self, positions: Floats, who: Ints) -> None:
@@ -66,36 +68,43 @@ class Leaps:
         """The cached point to start from and the heading of a leap over `gap`; None if none is likely to arrive."""
         if not self._points[gap]:
             return None
-        known = len(self._points[gap])
-        some = rng.choice(known, min(known, STARTS_AT_ONCE), replace=False)
-        landings = self._gaps.landings[gap]
-        landing = landings[rng.integers(len(landings))]
-        weight = self._weights(gap, np.array([self._places[gap][start] for start in some]), landing)
-        for row, start in enumerate(some.tolist()):  # the same start and the same actions end the same way
-            weight[row, self._drawn[self._points[gap][start]]] = 0.0
-        total = np.cumsum(weight)
-        if not total[-1] > 0:
+        some = rng.permutation(len(self._points[gap]))[:STARTS_AT_ONCE].tolist()
+        points = [self._points[gap][start] for start in some]
+        landing = self._gaps.landings[gap][rng.integers(len(self._gaps.landings[gap]))]
+        off_m = self._off_m(gap, np.array([self._places[gap][start] for start in some]), landing)
+        for place, point in enumerate(points):  # the same start and the same actions end the same way
+            off_m[place, self._drawn[point]] = np.inf
+        row, number = np.nonzero(off_m < MOST_OFF_M)
+        if not len(row):
             return None
+        likely = off_m[row, number]
+        total = np.cumsum(np.exp((likely.min() - likely) / SPREAD_M))
         drawn = min(int(np.searchsorted(total, rng.random() * total[-1], side="right")), len(total) - 1)
-        start, number = self._points[gap][some[drawn // AIMED_LEAPS]], drawn % AIMED_LEAPS
-        self._drawn[start].append(number)
-        return start, AIMED + 1 + number
+        start, leap = points[row[drawn]], int(number[drawn])
+        self._drawn[start].append(leap)
+        return start, AIMED + 1 + leap
 
-    def _weights(self, gap: int, starts: Floats, landing: Floats) -> Floats:
-        """How good each leap over `gap` to `landing` [3] is from `starts` [k, 3]: [k, L]."""
-        edge, out = self._gaps.edges[gap], self._gaps.outwards[gap]
-        leaps, radius_m = self._leaps, self._who.radius_m
-        before = leaps.places - (edge - starts)[:, None, :2]  # [k, L, 2] the edge
-        aside_m = np.abs(before @ np.array([-out[1], out[0]]))
-        possible = (before @ out <= radius_m) & (aside_m <= ASIDE_M) & (leaps.velocities @ out > 0)
-        lands = leaps.places + self._flown(float(flight_s(self._who, landing[2] - edge[2])))
-        off_m = np.linalg.norm(lands - (landing - starts)[:, None, :2], axis=2)
-        off_m[~possible] = np.inf
-        best = off_m.min(initial=MOST_OFF_M)
-        return np.where(off_m < MOST_OFF_M, np.exp((best - off_m) / SPREAD_M), 0.0)
+    def _off_m(self, gap: int, starts: Floats, landing: Floats) -> Floats:
+        """How far from `landing` [3] each leap from `starts` [k, 3] lands [k, L]; infinite if it is none over `gap`."""
+        edge, out, leaps = self._gaps.edges[gap], self._gaps.outwards[gap], self._leaps
+        lands = leaps.places + self._flown(round(float(landing[2] - edge[2]) / RISE_M))
+        to_landing = landing - starts
+        off = [lands[:, axis] - to_landing[:, axis, None] for axis in (0, 1)]
+        off_m = np.sqrt(off[0] * off[0] + off[1] * off[1])
+        row, number = np.nonzero(off_m < MOST_OFF_M)
+        before = leaps.places[number] - (edge - starts)[row, :2]  # the edge
+        on_floor = (before @ out <= self._who.radius_m) & (np.abs(before @ [-out[1], out[0]]) <= ASIDE_M)
+        bad = ~(on_floor & (leaps.velocities[number] @ out > 0))
+        off_m[row[bad], number[bad]] = np.inf
+        return off_m
 
-    def _flown(self, time_s: float) -> Floats:
-        """How far the leaps carry within `time_s` in the air [L, 2]: there the stick pushes on, as far as it can."""
+    def _flown(self, rise: int) -> Floats:
+        """How far the leaps carry [L, 2] that end `rise` times RISE_M higher: the stick pushes on in the air."""
+        if rise not in self._carries:
+            self._carries[rise] = self._fly(float(flight_s(self._who, rise * RISE_M)))
+        return self._carries[rise]
+
+    def _fly(self, time_s: float) -> Floats:
         who, velocity, pushed_s = self._who, self._leaps.velocities, min(time_s, self._pushed_s)
         after = velocity + who.air_control * who.acceleration_mps2 * pushed_s * self._leaps.pushes
         most = np.maximum(np.hypot(velocity[:, 0], velocity[:, 1]), who.walk_speed_mps)
