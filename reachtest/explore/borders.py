@@ -21,10 +21,11 @@ from reachtest.explore.footholds import Footholds
 from reachtest.explore.gaps import Gaps
 from reachtest.explore.leaps import Leaps
 from reachtest.explore.places import NOWHERE, Places, outermost
+from reachtest.explore.pushes import Pushes
+from reachtest.explore.turns import by_target, least_tried
 from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to
-PUSHED_M = 1.25  # from a place: half the spacing aside, or up in a jump
 BESIDE_M = 0.7  # off the nav-mesh: erosion at a wall is less, a crate that takes a jump is more
 JUMPING_SHARE = 0.5  # of the pushes: gaps are walked through, low walls and crates are jumped onto
 AIMED_SHARE = 0.75  # of the leaps over gaps
@@ -44,7 +45,7 @@ class Borders:
         self._along, self._footholds, self._leaps = along, footholds, Leaps(gaps, who, settings)
         before = gaps.places
         positions = np.concatenate([along.positions, before.positions]).reshape(-1, 3)
-        self._border, self._tree = cKDTree(along.positions.reshape(-1, 3)), cKDTree(positions)
+        self._tree = cKDTree(positions)
         n, rows = len(along.positions), len(positions)
         self._away = np.full(rows, np.inf)  # from the place to its start
         self._heading = np.concatenate([along.headings, before.headings])  # [R]
@@ -53,14 +54,14 @@ class Borders:
         self._kind = np.concatenate([outer, np.full(rows - n, GAP)])  # [R]
         self._start: Ints = np.full(rows, -1, dtype=np.int64)  # [R] cached point; -1: none near yet
         self._tried: Ints = np.zeros(rows, dtype=np.int64)  # [R] lanes that were sent
-        self._pushes: Ints = np.zeros(rows, dtype=np.int64)  # [R] episodes that pushed at a border place
+        self._pushes = Pushes(along)
         self._seen = 0  # cached points that were looked at
 
     def effort(self) -> tuple[Floats, Ints]:
         """Border places [n, 3] of islands that somebody can be on or was on, and the episodes that pushed there [n],
         directed or not."""
         kept = self._footholds.stood[self._along.island]
-        return self._along.positions[kept], self._pushes[: len(kept)][kept]
+        return self._along.positions[kept], self._pushes.counts[kept]
 
     def draw(
         self, rng: np.random.Generator, lanes: int, cache: PositionCache, candidates: Candidates
@@ -75,7 +76,7 @@ class Borders:
             return None
         turn = np.roll(np.resize(turns, lanes + len(turns)), rng.integers(len(turns)))[:lanes]
         rows = np.concatenate(
-            [self._least_tried(rng, rows, int((turn == kind).sum())) for kind, rows in enumerate(kinds)]
+            [self._next(rng, rows, kind, int((turn == kind).sum())) for kind, rows in enumerate(kinds)]
         )
         np.add.at(self._tried, rows, 1)
         how = np.where(rng.random(len(rows)) < JUMPING_SHARE, HEADINGS, 0)
@@ -94,43 +95,21 @@ class Borders:
 
     def note(self, positions: Floats, sticks: NDArray[np.int8]) -> None:
         """Count who pushed at what, whatever for: `positions` [T, B, 3] after steps with `sticks` [T, B]."""
-        t, lane = np.nonzero(np.isfinite(positions[:, :, 0]) & (sticks > 0))
-        found = self._border.query(positions[t, lane], k=[1, 2], distance_upper_bound=PUSHED_M)
-        away, place = np.asarray(found[0]), np.asarray(found[1])
-        step, column = np.nonzero(np.isfinite(away))
-        place, t, lane = place[step, column], t[step], lane[step]
-        outwards = (sticks[t, lane] - self._heading[place] + 1) % 8 <= 2  # give or take 45 degrees
-        lanes = sticks.shape[1]
-        once = np.unique(place[outwards] * lanes + lane[outwards])
-        self._pushes += np.bincount(once // lanes, minlength=len(self._pushes))
+        self._pushes.note(positions, sticks)
 
-    def _least_tried(self, rng: np.random.Generator, rows: Ints, lanes: int) -> Ints:
-        """The [lanes] of `rows` that were tried least; over again where they are fewer.
+    def _next(self, rng: np.random.Generator, rows: Ints, kind: int, lanes: int) -> Ints:
+        """The [lanes] of `rows`, all of a `kind`, whose turn it is.
 
         Of those tried as often the ones come first that nobody pushed at by chance.
         """
         if not lanes:
             return rows[:0]
-        by_chance = 1.0 - 1.0 / (1.0 + self._pushes[rows])
-        tries = self._tried[rows] + by_chance + 1e-6 * rng.random(len(rows))
-        tries += self._of_others(rows, tries)
-        least = np.argpartition(tries, min(lanes, len(rows)) - 1)[:lanes]
-        return np.resize(rows[least[np.argsort(tries[least])]], lanes)
-
-    def _of_others(self, rows: Ints, tries: Floats) -> Floats:
-        """How often others of `rows` [n] with the same target were tried, or come before them: islands take turns.
-
-        A step of a pillar may have thirty gaps around it, and the roof beyond it three.
-        """
-        target = self._target[rows]
-        if (target == NOWHERE).any():
-            return np.zeros(len(rows))
-        order = np.lexsort((tries, target))
-        new = np.append(True, np.diff(target[order]) > 0)
-        place = np.empty(len(rows))
-        place[order] = np.arange(len(rows)) - np.flatnonzero(new)[np.cumsum(new) - 1]
-        total = np.bincount(target, weights=self._tried[rows])
-        return place + total[target] - self._tried[rows]
+        pushes = np.append(self._pushes.counts, 0)[np.minimum(rows, len(self._pushes.counts))]
+        tries, chance = self._tried[rows], 1e-6 * rng.random(len(rows))
+        rank = tries + (1.0 - 1.0 / (1.0 + pushes)) + chance
+        if kind == GAP:
+            rank = by_target(tries, rank, self._target[rows]) + chance
+        return rows[least_tried(rank, lanes)]
 
     def _look_at_new(self, positions: Floats, candidates: Candidates) -> None:
         """Take in cached points that are new: nearer starts, and more rows for those beside the nav-mesh."""
@@ -146,7 +125,6 @@ class Borders:
         self._kind = np.append(self._kind, np.full(count, BESIDE))
         self._target = np.append(self._target, np.full(count, NOWHERE))
         self._tried = np.append(self._tried, np.zeros(count, dtype=np.int64))
-        self._pushes = np.append(self._pushes, np.zeros(count, dtype=np.int64))
 
     def _bring_nearer(self, positions: Floats, who: Ints) -> None:
         """Let places start from cached points `who` [m] at `positions` [m, 3] where those are nearer than before."""
