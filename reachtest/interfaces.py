@@ -12,7 +12,7 @@ from reachtest.records import Candidates, Fall, Floats, Ints, ReplayPath, Report
 
 class Simulator(Protocol):
     """Simulates B agents that cannot touch each other; states are rows of float64 that begin with
-    the position [3] and are opaque otherwise."""
+    the position [3] and the velocity [3] and are opaque otherwise."""
 
     @property
     def agents(self) -> int:

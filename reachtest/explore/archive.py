@@ -104,6 +104,11 @@ class Archive:
         return np.asarray(self._column("grounded"), dtype=np.bool_)
 
     @property
+    def velocities(self) -> Floats:
+        """[P, 3] [m/s]"""
+        return np.asarray(self._column("motion"), dtype=np.float64)[:, :3]
+
+    @property
     def off_mesh_m(self) -> NDArray[np.float32]:
         """Distance to the nav-mesh [P] [m], infinite where unexpected."""
         return np.asarray(self._column("off_mesh_m"), dtype=np.float32)

@@ -116,7 +116,7 @@ class Borders:
         new = self._seen + np.flatnonzero(candidates.grounded[self._seen :])
         self._seen = len(positions)
         self._bring_nearer(positions[new], new)
-        self._leaps.note(positions[new], new)
+        self._leaps.note(positions[new], candidates.velocities[new], new)
         off = candidates.off_mesh_m[new]
         beside = new[(off > BESIDE_M) & np.isfinite(off)]
         count = len(beside) * len(_ALL_WAYS)

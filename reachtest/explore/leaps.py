@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, LEAP_FLIGHT_STEPS, aimed
+from reachtest.explore.actions import AIMED, AIMED_LEAPS, HEADINGS, LEAP_FLIGHT_STEPS, LEAP_WAIT_STEPS, aimed
 from reachtest.explore.gaps import Gaps, flight_s
 from reachtest.records import Character, ExploreSettings, Floats, Ints
 from reachtest.walking import Walk
@@ -49,14 +49,17 @@ class Leaps:
         self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
         self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
         self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
+        self._settings, self._rule = settings, Walk.of(who, 1.0 / settings.physics_hz)
         self._leaps = take_offs(who, settings)
         self._carries: dict[int, Floats] = {}  # [L, 2] by rise
         self._pushed_s = LEAP_FLIGHT_STEPS * settings.action_repeat / settings.physics_hz
 
-    def note(self, positions: Floats, who: Ints) -> None:
-        """Take in cached points `who` [m] that stand at `positions` [m, 3]."""
+    def note(self, positions: Floats, velocities: Floats, who: Ints) -> None:
+        """Take in cached points `who` [m] that are on the ground at `positions` [m, 3], with `velocities` [m, 3]."""
         if not len(who) or not self._edges.n:
             return
+        positions = positions.copy()
+        positions[:, :2] += self._run_out(velocities[:, :2])
         pairs = cKDTree(positions).sparse_distance_matrix(self._edges, NEAR_M, output_type="ndarray")
         away = np.abs(self._gaps.edges[pairs["j"]] - positions[pairs["i"]])
         pairs = np.sort(pairs[away[:, 2] <= np.hypot(away[:, 0], away[:, 1]) + STOREY_M], order=("i", "j"))
@@ -103,6 +106,14 @@ class Leaps:
         if rise not in self._carries:
             self._carries[rise] = self._fly(float(flight_s(self._who, rise * RISE_M)))
         return self._carries[rise]
+
+    def _run_out(self, velocity: Floats) -> Floats:
+        """How far who has `velocity` [m, 2] gets until he stands [m, 2]."""
+        way = np.zeros_like(velocity)
+        for _ in range(LEAP_WAIT_STEPS * self._settings.action_repeat):
+            velocity = self._rule.braked(velocity, np.hypot(velocity[:, 0], velocity[:, 1]))
+            way += velocity / self._settings.physics_hz
+        return way
 
     def _fly(self, time_s: float) -> Floats:
         who, velocity, pushed_s = self._who, self._leaps.velocities, min(time_s, self._pushed_s)

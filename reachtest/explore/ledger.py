@@ -61,6 +61,7 @@ class Ledger:
             expected_within_m=self._settings.expected_within_m,
             grounded=self.archive.grounded,
             above_m=self.archive.above_m,
+            velocities=self.archive.velocities,
         )
 
     def states_of(self, parents: Ints) -> Floats:

@@ -113,6 +113,7 @@ class Candidates:
     expected_within_m: float
     grounded: Bools  # [P]
     above_m: NDArray[np.floating]  # [P] the floor below [m]; infinite over nothing
+    velocities: Floats  # [P, 3] [m/s]
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ def candidates(open_goals: bool = True) -> Candidates:
         expected_within_m=3.0,
         grounded=np.array([True, False, True, True]),
         above_m=np.array([0.0, 1.0, 0.0, 0.0]),
+        velocities=np.zeros((4, 3)),
     )
 
 

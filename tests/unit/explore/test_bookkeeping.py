@@ -220,7 +220,7 @@ def test_nothing_global_is_used_or_changed() -> None:
 
 def test_a_simulator_with_another_past_changes_nothing() -> None:
     used = Walker(5)
-    used.restore(np.arange(5), np.full((5, 4), 3.0))
+    used.restore(np.arange(5), np.full((5, 7), 3.0))
     np.testing.assert_array_equal(
         Run(simulator=used, steps=3_000).trajectories, Run(steps=3_000).trajectories
     )

@@ -62,7 +62,8 @@ def cached(positions, off_mesh_m=0.0, grounded=True) -> tuple[PositionCache, Can
     cache.insert(np.array(positions, dtype=float).reshape(-1, 3))
     n = len(cache)
     ones = np.ones(n, dtype=np.int64)
-    return cache, Candidates(ones, np.ones(n), np.full(n, off_mesh_m), 3.0, np.full(n, grounded), np.zeros(n))
+    off, stands_ = np.full(n, off_mesh_m), np.full(n, grounded)
+    return cache, Candidates(ones, np.ones(n), off, 3.0, stands_, np.zeros(n), np.zeros((n, 3)))
 
 
 def everywhere() -> tuple[PositionCache, Candidates]:
@@ -300,7 +301,7 @@ class Fenced(Walker):
     def step(self, actions) -> StepResult:
         outside = self._states[:, 0] > 12.3
         super().step(actions)
-        x, y, z, _ = self._states.T
+        x, y, z, *_ = self._states.T
         through = outside | ((x > 12.3) & (y > self.GAP[0]) & (y < self.GAP[1]))
         x[~through] = np.clip(x[~through], -12.3, 12.3)
         np.clip(y, -12.3, 12.3, out=y)

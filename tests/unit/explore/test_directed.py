@@ -52,7 +52,9 @@ def cached(*positions) -> tuple[PositionCache, Candidates]:
     cache.insert(np.array(positions, dtype=float))
     n = len(cache)
     ones = np.ones(n, dtype=np.int64)
-    return cache, Candidates(ones, np.ones(n), np.zeros(n), 3.0, np.ones(n, dtype=bool), np.zeros(n))
+    return cache, Candidates(
+        ones, np.ones(n), np.zeros(n), 3.0, np.ones(n, dtype=bool), np.zeros(n), np.zeros((n, 3))
+    )
 
 
 def aims(goals, worth=None) -> tuple[Aims, GoalSet]:

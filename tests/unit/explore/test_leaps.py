@@ -42,10 +42,12 @@ def gaps_of(where: Level) -> Gaps:
 
 
 def standing(where: Level) -> tuple[MujocoSimulator, np.ndarray]:
-    """A simulator, and states of characters that stand on the first block, a metre apart."""
+    """A simulator, and states of characters on the first block, a metre apart: three of four run some way."""
     simulator = MujocoSimulator(where, LANES, 2)
     x, y = np.meshgrid(np.arange(-3.5, 4, 1.0), np.arange(-3.5, 4, 1.0))
     states = simulator.place(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, 0.02)]))
+    states[:, 3:5] = UNREAL.walk_speed_mps * np.tile([[1, 0], [0, -1], [-0.7, 0.7], [0, 0]], (x.size // 4, 1))
+    states[:, 6] = 1.0
     return simulator, states
 
 
@@ -66,7 +68,7 @@ def worked_out(where: Level, count: int) -> list[tuple[int, int]]:
     gaps = gaps_of(where)
     leaps = Leaps(gaps, where.character, SETTINGS)
     _, states = standing(where)
-    leaps.note(states[:, :3], np.arange(len(states)))
+    leaps.note(states[:, :3], states[:, 3:6], np.arange(len(states)))
     rng = np.random.default_rng(0)
     here = np.flatnonzero(gaps.places.island == 0)
     drawn = [leaps.draw(rng, int(here[number % len(here)])) for number in range(count)]
@@ -87,8 +89,8 @@ def test_most_leaps_that_were_worked_out_arrive_and_few_by_chance(
     assert len(leaps) == LANES
     hits = arrive(simulator, states[list(starts)], headings).sum()
     by_chance = arrive(simulator, states[list(starts)], [LEAPS + 1] * LANES).sum()
-    assert hits >= 0.75 * LANES  # 53 to 61 of 64
-    assert by_chance <= 0.25 * LANES  # 1 to 9
+    assert hits >= 0.75 * LANES  # 55 to 60 of 64
+    assert by_chance <= 0.25 * LANES  # 1 to 11
 
 
 def test_no_leap_is_drawn_twice() -> None:

@@ -41,10 +41,10 @@ LEVEL = level(
 
 
 class Walker:
-    """Meets `interfaces.Simulator`: a state is position [3] and the number of steps taken [1]."""
+    """Meets `interfaces.Simulator`: a state is position [3], no velocity [3], steps taken [1]."""
 
     def __init__(self, agents: int) -> None:
-        self._states = np.zeros((agents, 4))
+        self._states = np.zeros((agents, 7))
 
     @property
     def agents(self) -> int:
@@ -55,7 +55,7 @@ class Walker:
         return 0.25
 
     def place(self, positions: Floats) -> Floats:
-        return np.concatenate([positions, np.zeros((len(positions), 1))], axis=1)
+        return np.concatenate([positions, np.zeros((len(positions), 4))], axis=1)
 
     def restore(self, agents: Ints, states: Floats) -> None:
         self._states[agents] = states
@@ -65,7 +65,7 @@ class Walker:
 
     def step(self, actions: NDArray[np.int8]) -> StepResult:
         """Walk or drift a stride; a hop is up for one step; over the hole it goes down and never up again."""
-        x, y, z, steps = self._states.T
+        x, y, z, *_, steps = self._states.T
         falling = (z < 0) | ((z == 0) & over_hole(x, y))
         angle = (actions[:, 0] - 1) * np.pi / 4
         moves = (actions[:, 0] > 0) & ~falling
