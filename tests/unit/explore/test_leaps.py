@@ -9,7 +9,8 @@ import pytest
 
 from reachtest.explore.actions import AIMED, AIMED_LEAPS, LEAPS, action_stream, aimed
 from reachtest.explore.gaps import Gaps, places_to_push
-from reachtest.explore.leaps import Leaps, take_offs
+from reachtest.explore.leap_table import LeapTable
+from reachtest.explore.leaps import Leaps
 from reachtest.levels import PRESETS
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Character, ExploreSettings, Level
@@ -109,7 +110,7 @@ def test_leaps_take_off_where_the_character_does(preset: str) -> None:
     who: Character = PRESETS[preset]
     where = level(FLOOR, character=who)
     simulator = MujocoSimulator(where, LANES, 2)
-    leaps = take_offs(who, SETTINGS)
+    leaps = LeapTable(who, SETTINGS).take_offs
     numbers = np.random.default_rng(0).choice(AIMED_LEAPS, LANES, replace=False)
     start = simulator.place(np.array([[0.0, 0.0, 0.02]]))
     simulator.restore(np.arange(LANES), np.repeat(start, LANES, axis=0))
