@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from reachtest.explore.actions import AIMED, HEADINGS, LEAPS, action_stream
-from reachtest.explore.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.footholds import Footholds
-from reachtest.explore.gaps import RUN_UP_M, Gaps, places_to_push
-from reachtest.explore.places import NOWHERE, SPACING_M, Places, outermost
+from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, Borders
+from reachtest.explore.directed.footholds import Footholds
+from reachtest.explore.directed.gaps import RUN_UP_M, Gaps, places_to_push
+from reachtest.explore.directed.places import NOWHERE, SPACING_M, Places, outermost
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Candidates, ExploreSettings, NavMesh, StepResult
 from tests.levels import UNREAL

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from reachtest.explore.actions import STRAIGHTS, action_stream, heading_of
-from reachtest.explore.aim import BORDER_M, STRAIGHT_SHARE, Aims
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.directed.aim import BORDER_M, STRAIGHT_SHARE, Aims
 from reachtest.explore.goals import GoalSet
 from reachtest.records import Candidates
 from tests.unit.explore.walker import Run

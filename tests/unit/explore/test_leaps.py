@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from reachtest.explore.actions import AIMED, AIMED_LEAPS, LEAPS, action_stream, aimed
-from reachtest.explore.gaps import Gaps, places_to_push
-from reachtest.explore.leap_table import LeapTable
-from reachtest.explore.leaps import Leaps
+from reachtest.explore.directed.gaps import Gaps, places_to_push
+from reachtest.explore.directed.leap_table import LeapTable
+from reachtest.explore.directed.leaps import Leaps
 from reachtest.levels import PRESETS
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Character, ExploreSettings, Level

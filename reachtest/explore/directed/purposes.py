@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.explore.aim import Aim, Aims
-from reachtest.explore.borders import Borders
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.footholds import Footholds
-from reachtest.explore.gaps import places_to_push
+from reachtest.explore.directed.aim import Aim, Aims
+from reachtest.explore.directed.borders import Borders
+from reachtest.explore.directed.footholds import Footholds
+from reachtest.explore.directed.gaps import places_to_push
 from reachtest.explore.goals import GoalSet
 from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import HEADINGS, LEAPS
-from reachtest.explore.aim import Aim
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.footholds import Footholds
-from reachtest.explore.gaps import Gaps
-from reachtest.explore.leaps import Leaps
-from reachtest.explore.places import NOWHERE, Places, outermost
-from reachtest.explore.pushes import Pushes
-from reachtest.explore.turns import by_target, least_tried
+from reachtest.explore.directed.aim import Aim
+from reachtest.explore.directed.footholds import Footholds
+from reachtest.explore.directed.gaps import Gaps
+from reachtest.explore.directed.leaps import Leaps
+from reachtest.explore.directed.places import NOWHERE, Places, outermost
+from reachtest.explore.directed.pushes import Pushes
+from reachtest.explore.directed.turns import by_target, least_tried
 from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import heading_of
-from reachtest.explore.places import Pieces, Places, along, cells_of, first_of, pieces_of
+from reachtest.explore.directed.places import Pieces, Places, along, cells_of, first_of, pieces_of
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Character, Floats, Ints
 

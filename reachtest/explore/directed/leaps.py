@@ -14,8 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import AIMED
-from reachtest.explore.gaps import Gaps
-from reachtest.explore.leap_table import LeapTable
+from reachtest.explore.directed.gaps import Gaps
+from reachtest.explore.directed.leap_table import LeapTable
 from reachtest.records import Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 4.0  # starts are no farther from the edge: a run-up to full speed, and from all sides

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reachtest.explore.places import Places
+from reachtest.explore.directed.places import Places
 from reachtest.records import Floats, Ints
 
 PUSHED_M = 1.25  # from a place: half the spacing aside, or up in a jump

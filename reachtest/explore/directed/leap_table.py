@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reachtest.explore.actions import AIMED_LEAPS, HEADINGS, LEAP_FLIGHT_STEPS, LEAP_WAIT_STEPS, aimed
-from reachtest.explore.gaps import flight_s
+from reachtest.explore.directed.gaps import flight_s
 from reachtest.records import Character, ExploreSettings, Floats
 from reachtest.walking import Walk
 

@@ -14,9 +14,9 @@ from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.directed.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
-from reachtest.explore.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.records import Bools, Candidates, Floats, Ints
 
 BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
