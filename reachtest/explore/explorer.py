@@ -16,20 +16,18 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from reachtest.explore.actions import action_stream, start_generator
+from reachtest.explore.actions import action_stream
 from reachtest.explore.directed import directed
-from reachtest.explore.heuristics import mixture
 from reachtest.explore.ledger import Ledger
 from reachtest.explore.probe import Probed, Prober
 from reachtest.explore.replay import Replayer
+from reachtest.explore.restarts import Restarts
 from reachtest.explore.risk import is_done
 from reachtest.explore.rollout import Trajectories, roll_out
 from reachtest.interfaces import Observer, Simulator, Surface, Teller
 from reachtest.navmesh.coverage import GoalIslands, goal_islands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Exploration, Ints, Level, Points, RoundRecord, StopReason
-
-STARTS_PER_AGENT = 16  # drawn beforehand: at a metre a step a fall takes eight steps at the least
 
 
 class Explorer:
@@ -55,12 +53,12 @@ class Explorer:
         self._observers, self._interrupted, self._tell_of_probes = observers, interrupted, tell
         spawns = simulator.place(np.array([spawn.position for spawn in level.spawns]))
         self._ledger = Ledger(level, surface, spawns)
-        self._eta = mixture(level.explore.heuristics, level.explore.power)
         self._islands = islands or Islands(level.navmesh)
         starts = np.array([spawn.position for spawn in level.spawns])
         on = goal_islands(self._islands, starts, self._ledger.goals.goals)
         self._wanted, self._required_connected = self._worth(on)
         self._directed = directed(level, self._ledger.goals, self._wanted, self._islands, on)
+        self._restarts = Restarts(level, self._directed, seed)
         self._headings: list[NDArray[np.int16]] = []
         self._began, self._physics_s = time.monotonic(), 0.0
 
@@ -164,7 +162,7 @@ class Explorer:
         s = self._settings
         number = self._ledger.rounds
         length = min(s.reset_interval, -(-(s.steps - self._ledger.steps) // s.lanes))
-        parents, headings = self._draw_starts()
+        parents, headings = self._restarts.draw(self._ledger)
         self._headings.append(headings)
         streams = [
             action_stream(self._seed, number, lane, s.reset_interval, heading)[:length]
@@ -177,28 +175,6 @@ class Explorer:
         new = self._ledger.record(rolled, parents)
         self._directed.borders.note(rolled.positions, actions[:, :, 0])
         self._tell(rolled, new)
-
-    def _draw_starts(self) -> tuple[Ints, NDArray[np.int16]]:
-        """What each lane starts from [M, B]: cached points, or -1 - i for spawn i; and its heading [B] or 0."""
-        headings = np.zeros(self._settings.lanes, dtype=np.int16)
-        agents, number, archive = self._settings.lanes, self._ledger.rounds, self._ledger.archive
-        shape, spawns = (STARTS_PER_AGENT, agents), len(self._level.spawns)
-        if not len(archive) or number * agents < spawns:  # every spawn is used at least once
-            return -1 - (number * agents + np.arange(shape[0] * agents).reshape(shape)) % spawns, headings
-        candidates = self._ledger.candidates()
-        # In the air over nothing, nothing can come of it: the edge that was left is cached too.
-        weight = np.where(np.isinf(candidates.above_m), 0.0, self._eta(candidates))
-        if not weight.any():
-            weight[:] = 1.0
-        total = np.cumsum(weight)
-        rng = start_generator(self._seed, number)
-        starts = np.minimum(
-            np.searchsorted(total, rng.random(shape) * total[-1], side="right"), len(weight) - 1
-        )
-        aim = self._directed.draw(rng, number, self._ledger.cache, candidates)
-        if aim is not None:  # an episode that ends early is tried again from where it began
-            starts[:, : len(aim.starts)], headings[: len(aim.starts)] = aim.starts, aim.headings
-        return starts, headings
 
     def _tell(self, rolled: Trajectories, new: Ints) -> None:
         ledger = self._ledger
