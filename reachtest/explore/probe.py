@@ -11,15 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import JUMP_SHARE, action_stream, heading_of, start_generator
+from reachtest.explore.actions import JUMP_SHARE, heading_of, start_generator
+from reachtest.explore.attempts import Attempts, Front
 from reachtest.explore.regions import Region, TrapFinder, Trapped
 from reachtest.explore.replay import Replayer
-from reachtest.explore.rollout import Trajectories, roll_out
-from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies, stays_of
-from reachtest.geometry import pack_cells
+from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies
 from reachtest.interfaces import Simulator, Teller
 from reachtest.navmesh.islands import Islands
-from reachtest.records import Bools, EndReason, Fall, Floats, Ints, Level, Origin, Pocket, Points
+from reachtest.records import Bools, Fall, Floats, Ints, Level, Origin, Pocket, Points
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
 ATTEMPTS_A_PLACE = 4  # more for every cell of it: a hall has many doors
@@ -42,28 +41,6 @@ class Probed:
     steps: int  # [agent steps]
 
 
-@dataclass(frozen=True)
-class _Attempt:
-    """The evidence of one episode."""
-
-    cells: Ints  # packed cells of side K that it passed through
-    reach_m: float
-
-
-@dataclass(frozen=True)
-class _Front:
-    """Where the lanes are: states, and where they stood or lay last."""
-
-    states: Floats  # [n, S]
-    stays: Stays  # [n]
-    keys: Ints  # [n] of the cells they stood or lay in last
-
-    @property
-    def footings(self) -> Floats:
-        """[n, 3]"""
-        return self.stays.places
-
-
 class Prober:
     """Probes the regions of one exploration; enters what it finds into its transitions."""
 
@@ -78,11 +55,9 @@ class Prober:
     ) -> None:
         """`first_round` is the first that is not the exploration's: probes have streams of their own."""
         self._level, self._simulator, self._transitions = level, simulator, transitions
-        self._replayer, self._seed, self._round = replayer, seed, first_round
+        self._replayer, self._seed = replayer, seed
         self._budget = max(LEAST_STEPS, int(STEPS_SHARE * level.explore.steps))
-        self._episodes = self._steps = 0
-        self._attempts: list[_Attempt] = []
-        self._began: list[int] = []  # key of the cell where each attempt began
+        self._attempts = Attempts(level.explore, simulator, transitions, seed, first_round)
 
     def run(
         self,
@@ -99,12 +74,12 @@ class Prober:
         trapped = finder.find(self._transitions.graph())
         few = self._simulator.agents // LANES_A_REGION
         for _ in range(SWEEPS):
-            if len(trapped.regions) <= few or self._steps >= self._budget or interrupted():
+            if len(trapped.regions) <= few or self._attempts.steps >= self._budget or interrupted():
                 break
             tell("looking for pockets", 1, len(trapped.regions))
             self._sweep(trapped)
             trapped = finder.find(self._transitions.graph(), trapped.suspects)
-        while self._steps < self._budget and not interrupted():
+        while self._attempts.steps < self._budget and not interrupted():
             if not (open_ := [r for r in trapped.regions if not self._done(trapped, r)]):
                 break
             tell("looking for pockets", len(trapped.regions) - len(open_) + 1, len(trapped.regions))
@@ -113,23 +88,23 @@ class Prober:
         pockets = [
             self._pocket(trapped, region, points) for region in trapped.regions if self._done(trapped, region)
         ]
-        return Probed(tuple(pockets), self._episodes, self._steps)
+        return Probed(tuple(pockets), self._attempts.episodes, self._attempts.steps)
 
     # --- probing ----------------------------------------------------------------------------------
 
     def _sweep(self, trapped: Trapped) -> None:
         """An episode or more from every region, towards the nearest place that leads back."""
-        rng, agents = start_generator(self._seed, self._round), self._simulator.agents
+        rng, agents = start_generator(self._seed, self._attempts.round), self._simulator.agents
         often = max(1, agents // len(trapped.regions))
         rows = np.array([rng.choice(self._known(trapped, region)) for region in trapped.regions * often])
         for begin in range(0, len(rows), agents):
             front = self._front(trapped, rows[begin : begin + agents])
             jumps = np.array(JUMPS)[rng.integers(1, len(JUMPS), len(front.states))]
-            self._probe(front, self._back(trapped, front), jumps)
+            self._attempts.run(front, self._back(trapped, front), jumps)
 
     def _besiege(self, trapped: Trapped, regions: list[Region]) -> None:
         """Episodes from all over the regions in all directions, and on from where they ended."""
-        rng = start_generator(self._seed, self._round)
+        rng = start_generator(self._seed, self._attempts.round)
         each = max(1, self._simulator.agents // len(regions))
         rows = np.concatenate([self._starts(rng, trapped, region, each) for region in regions])
         number = np.arange(len(rows)) % each
@@ -138,7 +113,7 @@ class Prober:
         for episode in range(CHAIN):
             around = (number + episode) % 8 + 1
             headings = self._back(trapped, front) if episode % 2 else around
-            front = self._probe(front, headings, jumps)
+            front = self._attempts.run(front, headings, jumps)
 
     def _starts(self, rng: np.random.Generator, trapped: Trapped, region: Region, count: int) -> Ints:
         """Where to start from: where one ends up; on the way there, which may fork; where a way back is near."""
@@ -155,55 +130,22 @@ class Prober:
         core = region.core[known[region.core]]
         return core if len(core) else region.rows[known[region.rows]]
 
-    def _front(self, trapped: Trapped, rows: Ints) -> _Front:
+    def _front(self, trapped: Trapped, rows: Ints) -> Front:
         """The characters as they were at places `rows` [n]: simulated again, bit for bit."""
         origins = [Origin(*row) for row in trapped.graph.origins[rows].tolist()]
         graph = trapped.graph
         keys = graph.keys[rows]
-        return _Front(self._replayer.states_at(origins), Stays(graph.places[rows], lies(keys)), keys)
+        return Front(self._replayer.states_at(origins), Stays(graph.places[rows], lies(keys)), keys)
 
-    def _nudged(self, rng: np.random.Generator, front: _Front, chosen: Bools) -> _Front:
+    def _nudged(self, rng: np.random.Generator, front: Front, chosen: Bools) -> Front:
         """The chosen characters [n] a little beside where they were: what only holds to the millimetre is no trap."""
         nudge = rng.uniform(-NUDGE_M, NUDGE_M, (len(chosen), 3))
         nudge[:, 2] = np.abs(nudge[:, 2])
         states = front.states.copy()
         states[chosen, :3] += nudge[chosen]
-        return _Front(states, front.stays, front.keys)
+        return Front(states, front.stays, front.keys)
 
-    def _probe(self, front: _Front, headings: Ints, jumps: Floats) -> _Front:
-        """One episode of each lane; where they are then."""
-        count, steps = len(front.states), self._level.explore.reset_interval
-        streams = np.zeros((steps, self._simulator.agents, 2), dtype=np.int8)
-        for lane, way in enumerate(zip(headings.tolist(), jumps.tolist(), strict=True)):
-            streams[:, lane] = action_stream(self._seed, self._round, lane, steps, *way)
-        every = np.resize(np.arange(count), self._simulator.agents)  # who has no lane stands still in a copy
-        rolled = _first(roll_out(self._simulator, front.states[every][None], streams), count)
-        self._transitions.add(rolled, Stays(front.stays.places[None], front.stays.lying[None]))
-        self._round, self._episodes, self._steps = (
-            self._round + 1,
-            self._episodes + count,
-            self._steps + count * steps,
-        )
-        self._began += front.keys.tolist()
-        self._attempts += [
-            self._note(rolled.positions[:, lane], front.footings[lane]) for lane in range(count)
-        ]
-        alive = rolled.ended[-1] == EndReason.ALIVE
-        states = np.where(alive[:, None], rolled.states[-1], front.states)
-        last = _last_stays(rolled, front.stays)
-        footings = np.where(alive[:, None], last.places, front.footings)
-        lying = np.where(alive, last.lying, front.stays.lying)
-        same = (footings == front.footings).all(axis=1)
-        keys = np.where(same, front.keys, self._transitions.cells(footings, lying))
-        return _Front(states, Stays(footings, lying), keys)
-
-    def _note(self, positions: Floats, start: Floats) -> _Attempt:
-        passed = positions[np.isfinite(positions[:, 0])]
-        away = np.linalg.norm(passed - start, axis=1)
-        cells = np.unique(pack_cells(np.floor(passed / self._level.explore.threshold_m).astype(np.int64)))
-        return _Attempt(cells, float(away.max(initial=0.0)))
-
-    def _back(self, trapped: Trapped, front: _Front) -> Ints:
+    def _back(self, trapped: Trapped, front: Front) -> Ints:
         """The headings [n] to the nearest place that leads back."""
         return heading_of(self._way_back(trapped, front.footings) - front.footings)
 
@@ -214,15 +156,13 @@ class Prober:
 
     # --- what is left -----------------------------------------------------------------------------
 
-    def _of(self, trapped: Trapped, region: Region) -> Ints:
-        """The attempts that began in a region."""
-        return np.flatnonzero(np.isin(self._began, trapped.graph.keys[region.rows]))
-
     def _done(self, trapped: Trapped, region: Region) -> bool:
-        return len(self._of(trapped, region)) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
+        attempts = self._attempts.of(trapped.graph.keys[region.rows])
+        return len(attempts) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
 
     def _pocket(self, trapped: Trapped, region: Region, points: Points) -> Pocket:
-        attempts, graph = [self._attempts[i] for i in self._of(trapped, region)], trapped.graph
+        graph = trapped.graph
+        attempts = self._attempts.of(graph.keys[region.rows])
         cells = np.unique(np.concatenate([attempt.cells for attempt in attempts]))
         inside = np.isin(self._transitions.cells(points.positions), graph.keys[region.core])
         arrival = int(self._known(trapped, region)[0])
@@ -242,19 +182,3 @@ class Prober:
             volume_m3=len(cells) * self._level.explore.threshold_m**3,
             reach_m=max(attempt.reach_m for attempt in attempts),
         )
-
-
-def _first(rolled: Trajectories, lanes: int) -> Trajectories:
-    """The first lanes only."""
-    return Trajectories(**{name: array[:, :lanes] for name, array in vars(rolled).items()})
-
-
-def _last_stays(rolled: Trajectories, before: Stays) -> Stays:
-    """Where each lane [B] stood or lay last in the episode under way, else where it began."""
-    places, lying, stays = before.places.copy(), before.lying.copy(), stays_of(rolled)
-    for lane in range(len(places)):
-        first = int(rolled.start[-1, lane])
-        held = first + np.flatnonzero(np.isfinite(stays.places[first:, lane, 0]))
-        if len(held):
-            places[lane], lying[lane] = stays.places[held[-1], lane], stays.lying[held[-1], lane]
-    return Stays(places, lying)
