@@ -76,7 +76,8 @@ class ExploreSpec(Spec):
         _EXPLORE.directed,
         ge=0,
         le=1,
-        description="Share of the episodes that push towards open goals and over the nav-mesh's border.",
+        description="Share of the episodes that push towards open goals and over the nav-mesh's border; "
+        "twice that once all goals are reached.",
     )
     effort: int = Field(
         _EXPLORE.effort,
