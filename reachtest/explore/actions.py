@@ -24,7 +24,7 @@ RUN_UPS = LEAP_RUN_STEPS + 1
 # How a leap that was worked out turns before it takes off: eighths of a turn, and for how many agent steps. A velocity
 # follows the stick within some tenths of a second, so that these lead between the stick's own directions too.
 TURNS = ((0, 0), (1, 0), (-1, 0), (1, 1), (-1, 1))
-STEPS_ASIDE = HEADINGS + 1  # and it may begin with a step any way: cached points are a metre apart
+STEPS_ASIDE = 1 + 2 * HEADINGS  # and it may begin with a step or two any way: cached points are a metre apart
 AIMED_LEAPS = STEPS_ASIDE * len(TURNS) * RUN_UPS * HEADINGS
 LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
 LEAP_STOP_STEPS = 3  # a pillar is soon run across
@@ -92,7 +92,8 @@ def aimed(number: int) -> NDArray[np.int8]:
     shape = (STEPS_ASIDE, len(TURNS), RUN_UPS, HEADINGS)
     step, turn, run, way = (int(part) for part in np.unravel_index(number, shape))
     stand = np.zeros((LEAP_WAIT_STEPS, 2), dtype=np.int8)
-    aside = np.array([[step, 0]] if step else np.empty((0, 2)), dtype=np.int8)
+    aside = np.zeros((-(-step // HEADINGS), 2), dtype=np.int8)
+    aside[:, 0] = (step - 1) % HEADINGS + 1
     return np.concatenate([stand, aside, _leap(way, run, *TURNS[turn])])
 
 
