@@ -24,6 +24,7 @@ SHARED = {
     "reachtest.errors",
     "reachtest.files",
     "reachtest.columns",
+    "reachtest.walking",
     "reachtest.geometry",
     "reachtest.surface",
 }
