@@ -11,6 +11,10 @@ import numpy as np
 
 from reachtest.records import Character, Floats
 
+STICK_DIRECTIONS = np.concatenate(
+    [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
+)  # [9, 2] what an action's stick means: centred, then by 45 degrees
+
 
 @dataclass(frozen=True)
 class Walk:

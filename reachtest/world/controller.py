@@ -23,9 +23,6 @@ STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact tak
 LEVEL_NXY = 0.02  # a normal with less of a horizontal part has no say in horizontal movement
 FLUSH_M = 0.002  # an edge this little above the ground one stands on is part of it
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
-STICK_DIRECTIONS = np.concatenate(
-    [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
-)  # [9, 2]
 
 
 @dataclass(frozen=True)

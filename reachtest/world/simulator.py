@@ -16,7 +16,8 @@ from reachtest.columns import ColumnIndex
 from reachtest.geometry import indices
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
-from reachtest.world.controller import STICK_DIRECTIONS, Contacts, Controller, Plan, Stick, read_contacts
+from reachtest.walking import STICK_DIRECTIONS
+from reachtest.world.controller import Contacts, Controller, Plan, Stick, read_contacts
 from reachtest.world.footwork import OVERLAP_M, Footwork
 from reachtest.world.model import MASS_KG
 from reachtest.world.terrain import split_terrain

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.explore.actions import AIMED_LEAPS, HEADINGS, LEAP_FLIGHT_STEPS, LEAP_WAIT_STEPS, aimed
+from reachtest.explore.actions import AIMED_LEAPS, LEAP_FLIGHT_STEPS, LEAP_WAIT_STEPS, aimed
 from reachtest.explore.directed.gaps import flight_s
 from reachtest.records import Character, ExploreSettings, Floats
-from reachtest.walking import Walk
+from reachtest.walking import STICK_DIRECTIONS, Walk
 
 RISE_M = 0.05  # within it flights last as long
-_ANGLES = np.arange(HEADINGS) * (2 * np.pi / HEADINGS)
-_WISH = np.concatenate([[[0.0, 0.0]], np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])])
 
 
 @dataclass(frozen=True)
@@ -74,10 +72,10 @@ def _take_offs(rule: Walk, settings: ExploreSettings) -> TakeOffs:
     for step, stick in enumerate(sticks.T):
         for tick in range(settings.action_repeat):
             speed = np.hypot(velocity[:, 0], velocity[:, 1])
-            pushed = rule.towards(velocity, speed, _WISH[stick])
+            pushed = rule.towards(velocity, speed, STICK_DIRECTIONS[stick])
             velocity = np.where(stick[:, None] > 0, pushed, rule.braked(velocity, speed))
             if tick == 0:  # it jumps with the velocity of this tick, before it moves
                 now = last == step
                 places[now], velocities[now] = place[now], velocity[now]
             place = place + velocity / settings.physics_hz
-    return TakeOffs(places, velocities, _WISH[sticks[np.arange(AIMED_LEAPS), last]])
+    return TakeOffs(places, velocities, STICK_DIRECTIONS[sticks[np.arange(AIMED_LEAPS), last]])

@@ -66,8 +66,8 @@ class Leaps:
         if not len(row):
             return None
         likely = off_m[row, number]
-        total = np.cumsum(np.exp((likely.min() - likely) / SPREAD_M))
-        drawn = min(int(np.searchsorted(total, rng.random() * total[-1], side="right")), len(total) - 1)
+        weight = np.exp((likely.min() - likely) / SPREAD_M)
+        drawn = int(rng.choice(len(likely), p=weight / weight.sum()))
         start, leap = points[row[drawn]], int(number[drawn])
         self._drawn[start].append(leap)
         return start, AIMED + 1 + leap
