@@ -22,7 +22,7 @@ from reachtest.explore.directed.gaps import Gaps
 from reachtest.explore.directed.leaps import Leaps
 from reachtest.explore.directed.places import NOWHERE, Places, outermost
 from reachtest.explore.directed.pushes import Pushes
-from reachtest.explore.directed.turns import by_target, least_tried
+from reachtest.explore.directed.turns import in_turns, least_tried
 from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to
@@ -108,7 +108,7 @@ class Borders:
         tries, chance = self._tried[rows], 1e-6 * rng.random(len(rows))
         rank = tries + (1.0 - 1.0 / (1.0 + pushes)) + chance
         if kind == GAP:
-            rank = by_target(tries, rank, self._target[rows]) + chance
+            return rows[in_turns(tries, rank, self._target[rows], lanes)]
         return rows[least_tried(rank, lanes)]
 
     def _look_at_new(self, positions: Floats, candidates: Candidates) -> None:

@@ -17,6 +17,7 @@ from reachtest.records import Bools, Character, Floats, Ints
 
 RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
 LANDING_M = 0.4  # behind a gap: not on the very edge
+DROP_M = 5.0  # the other side of a gap may lie so much lower
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 
 
@@ -50,10 +51,13 @@ def jump_carries(who: Character, away: Floats) -> Bools:
     A ballistic flight; the borders of a nav-mesh keep a radius from the edges.
     """
     rise = away[:, 2] - FLOAT_M
-    high_enough = rise <= who.jump_speed_mps**2 / (2 * who.gravity_mps2)
+    high_enough = (rise <= who.jump_speed_mps**2 / (2 * who.gravity_mps2)) & (rise >= -DROP_M)
     far = np.hypot(away[:, 0], away[:, 1])
-    carried = who.walk_speed_mps * flight_s(who, rise) + 2 * who.radius_m
-    return np.asarray(high_enough & (far <= carried), dtype=np.bool_)
+    return np.asarray(high_enough & (far <= _carries_m(who, rise)), dtype=np.bool_)
+
+
+def _carries_m(who: Character, rise_m: Floats | float) -> Floats:
+    return np.asarray(who.walk_speed_mps * flight_s(who, rise_m) + 2 * who.radius_m, dtype=np.float64)
 
 
 def flight_s(who: Character, rise_m: Floats | float) -> Floats:
@@ -90,7 +94,7 @@ def _gaps(pieces: Pieces, connected: Bools, who: Character) -> Gaps:
 def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints, Floats]:
     """Pieces of the border [N] that a jump may carry from and to, and the way [N, 3]: by start, island, and length."""
     apart = np.flatnonzero(~connected[pieces.island])
-    reach = who.walk_speed_mps * 2 * who.jump_speed_mps / who.gravity_mps2 + 2 * who.radius_m
+    reach = float(np.hypot(_carries_m(who, -DROP_M), DROP_M))
     everything, some = cKDTree(pieces.middles.reshape(-1, 3)), cKDTree(pieces.middles[apart].reshape(-1, 3))
     pairs = everything.sparse_distance_matrix(some, reach, output_type="ndarray")
     one, other = pairs["i"], apart[pairs["j"]]

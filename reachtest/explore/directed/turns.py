@@ -16,13 +16,18 @@ def least_tried(tries: Floats, lanes: int) -> Ints:
     return np.resize(least[np.argsort(tries[least])], lanes)
 
 
-def by_target(tries: Ints, rank: Floats, target: Ints) -> Floats:
-    """How many tries of the same `target` [n] there were before it is a row's turn [n]: targets take turns.
+def in_turns(tries: Ints, rank: Floats, target: Ints, lanes: int) -> Ints:
+    """The rows for `lanes` lanes: one of the target that was tried least, of its rows the one with the lowest `rank`.
 
-    A step of a pillar may have thirty gaps around it, and the roof beyond it three. Within a target `rank` [n] counts.
+    A row comes over again where its target has few: a step of a pillar may have thirty gaps around it, the roof beyond
+    it two. `target` [n] and `tries` [n] are by row.
     """
-    order = np.lexsort((rank, target))
-    new = np.append(True, np.diff(target[order]) > 0)
-    place = np.empty(len(tries))
-    place[order] = np.arange(len(tries)) - np.flatnonzero(new)[np.cumsum(new) - 1]
-    return place + np.bincount(target, weights=tries)[target]
+    _, of = np.unique(target, return_inverse=True)
+    rank, total = rank.copy(), np.bincount(of, weights=tries)
+    chosen = np.empty(lanes, dtype=np.int64)
+    for lane in range(lanes):
+        where = int(total.argmin())
+        chosen[lane] = row = int(np.where(of == where, rank, np.inf).argmin())
+        rank[row] += 1
+        total[where] += 1
+    return chosen

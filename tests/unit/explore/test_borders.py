@@ -13,6 +13,7 @@ from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.directed.footholds import Footholds
 from reachtest.explore.directed.gaps import RUN_UP_M, Gaps, places_to_push
 from reachtest.explore.directed.places import NOWHERE, SPACING_M, Places, outermost
+from reachtest.explore.directed.turns import in_turns
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Candidates, ExploreSettings, NavMesh, StepResult
 from tests.levels import UNREAL
@@ -117,10 +118,13 @@ def test_the_world_ends_where_no_nav_mesh_comes_after_the_border() -> None:
         (2.5, 0.9, True),
         (2.5, 1.2, False),
         (5.7, 0.8, False),
+        (8.5, -4.0, True),
+        (9.6, -4.0, False),
+        (8.5, -6.0, False),
     ],
 )
 def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: float, within: bool) -> None:
-    """5.1 m flat and 0.9 m up, and a radius from the edge on both sides."""
+    """5.1 m flat, 0.9 m up, and 8.6 m on to 4 m lower; and a radius from the edge on both sides."""
     x = SIDE + gap_m
     along, gaps = places(SQUARE, (x, 8, x + 3, 11, rise_m))
     there = gaps.places.positions[gaps.places.island == 0]
@@ -131,7 +135,7 @@ def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: f
     if within:
         assert (np.abs(there[:, :2] - SIDE / 2) < SIDE / 2).all()  # on this side, with room to run up
         assert np.abs(there[:, 0] - (SIDE - RUN_UP_M)).min() < 0.1
-        assert set(gaps.places.target) == {0, 1} or rise_m > 0  # and back
+        assert set(gaps.places.target) == {0, 1} or rise_m != 0  # and back
 
 
 def test_jumps_are_followed_from_island_to_island() -> None:
@@ -195,6 +199,14 @@ def test_every_place_is_tried_before_one_is_tried_again() -> None:
         assert len(np.unique(aim.targets)) == lanes
         tries = np.bincount(np.concatenate(drawn), minlength=len(border_of(table)))
         assert tries.max() - tries.min() <= 1
+
+
+def test_the_target_that_was_tried_least_gets_the_lanes_however_few_gaps_lead_to_it() -> None:
+    target = np.repeat([7, 3], [30, 2])
+    tries = np.where(target == 7, 1, 0)
+    rows = in_turns(tries, tries.astype(float), target, 40)
+    assert np.bincount(rows, minlength=32)[30:].tolist() == [18, 17]  # 35 = 5 + 30: both have had as many
+    assert len(np.unique(rows[rows < 30])) == 5  # each once before one is tried again
 
 
 def test_a_push_starts_near_its_place_and_goes_straight_out() -> None:

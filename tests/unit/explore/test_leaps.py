@@ -20,7 +20,7 @@ from tests.levels import FLOOR, UNREAL, box, level
 SETTINGS = ExploreSettings()
 LANES = 64
 HERE = (-4.0, -4.0, 4.0, 4.0)
-STEPS = 16  # until every leap has landed
+STEPS = 24  # until every leap has landed
 
 
 def top(block: Sequence[float], z: float) -> list[list[list[float]]]:
@@ -78,7 +78,7 @@ def worked_out(where: Level, count: int) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize(
     ("gap_m", "rise_m", "aside_m"),
-    [(3.0, 0.0, 0.0), (4.2, 0.0, 0.0), (3.0, 0.0, 5.0), (2.0, 0.6, 1.0), (4.5, -2.0, 2.0)],
+    [(3.0, 0.0, 0.0), (4.2, 0.0, 0.0), (3.0, 0.0, 5.0), (2.0, 0.6, 1.0), (4.5, -2.0, 2.0), (7.0, -4.0, 0.0)],
 )
 def test_most_leaps_that_were_worked_out_arrive_and_few_by_chance(
     gap_m: float, rise_m: float, aside_m: float
@@ -90,8 +90,8 @@ def test_most_leaps_that_were_worked_out_arrive_and_few_by_chance(
     assert len(leaps) == LANES
     hits = arrive(simulator, states[list(starts)], headings).sum()
     by_chance = arrive(simulator, states[list(starts)], [LEAPS + 1] * LANES).sum()
-    assert hits >= 0.75 * LANES  # 55 to 60 of 64
-    assert by_chance <= 0.25 * LANES  # 1 to 11
+    assert hits >= 0.75 * LANES  # 56 to 61 of 64
+    assert by_chance <= 0.25 * LANES  # 2 to 12
 
 
 def test_no_leap_is_drawn_twice() -> None:
