@@ -39,6 +39,8 @@ class TiledBatch:
 
         They begin on the tiles of `spawns` [S, 3].
         """
+        # Else MuJoCo prints every warning, and writes it to a file in the working directory, too.
+        mujoco.set_mju_user_warning(_is_counted)
         starts = spawns[np.arange(agents) % len(spawns)]
         self._pieces = pieces_of(triangles, spawns)
         self._partition = partition(self._pieces, margin_for(character, timestep_s), tile_pieces)
@@ -133,3 +135,7 @@ class TiledBatch:
             run()
         except batch.SimulationError as error:
             self._failed[error.ids] = True
+
+
+def _is_counted(warning: str) -> None:
+    """Say nothing: `diverged` tells, and the report how often."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import pytest
 
 from reachtest.records import EndReason, ExploreSettings
 from reachtest.world import MujocoSimulator
@@ -69,7 +72,10 @@ def test_agents_cannot_touch_each_other() -> None:
     np.testing.assert_array_equal(result.positions, np.tile(result.positions[0], (4, 1)))
 
 
-def test_divergence_is_told_and_the_others_go_on() -> None:
+def test_divergence_is_told_and_the_others_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     simulator = MujocoSimulator(COURSE, 3, 1)
     states = simulator.place(starts(3))
     states[1, 3:6] = np.nan
@@ -78,6 +84,8 @@ def test_divergence_is_told_and_the_others_go_on() -> None:
     assert result.ended.tolist() == [EndReason.ALIVE, EndReason.DIVERGED, EndReason.ALIVE]
     simulator.restore(np.array([1]), simulator.place(starts(1)))
     assert simulator.step(np.zeros((3, 2), dtype=np.int8)).ended.tolist() == [EndReason.ALIVE] * 3
+    assert capfd.readouterr() == ("", "")  # stdout is for the report,
+    assert not list(tmp_path.iterdir())  # and the working directory somebody's checkout
 
 
 def test_falling_out_is_told() -> None:
