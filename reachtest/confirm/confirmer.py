@@ -12,11 +12,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from reachtest.confirm.outcome import ON_MESH_M, Judge
-from reachtest.confirm.shorten import Way, affordable, pursuits, shorten
-from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
-from reachtest.confirm.variation import held, vary
-from reachtest.geometry import near_from_above
+from reachtest.confirm.outcome import Judge
+from reachtest.confirm.retries import Retries
+from reachtest.confirm.shorten import Way, affordable, shorten
+from reachtest.confirm.trials import Lane, Trial, run_lanes
 from reachtest.interfaces import Simulator, Surface, Teller
 from reachtest.records import Confirmation, Fall, Finding, Level, ReplayPath
 
@@ -25,13 +24,6 @@ _Confirmed = tuple[Way, bool, tuple[int, int], tuple[int, int]]
 
 VARIATIONS = (8, 32)  # of a finding, at each time step: fewer where there are many findings
 ALL_VARIATIONS = 512
-# As many again for what half the step has not shown, twice from a run-up earlier: where the coarse step turned and
-# jumped in one tick, the half step takes off as much slower, and has to begin before (0 of 66, and 31 of 66 half a
-# second earlier, measured at two ledges). At last from the spawn: fragile is said late.
-EARLIER_STEPS = (4, 16)
-LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
-AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
-FINE_LANES = 64
 AT_ONCE = 8  # findings: enough to share the cost of a step, few enough to have some done when a signal comes
 _STREAM = 0xC0  # apart from the streams of the exploration
 
@@ -59,11 +51,12 @@ class Confirmer:
 
         Once `interrupted`, what is not confirmed yet stays unconfirmed.
         """
-        self._level, self._simulator, self._simulate = level, simulator, simulate
+        self._simulator = simulator
         self._interrupted, self._tell, self._at = interrupted, tell, (0, 0)
         self._path_to = path_to
         self.judge = Judge(level, surface)
         self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STREAM, 0, 0)))
+        self._retries = Retries(level, simulator, simulate, self.judge, self._rng, self._pause)
 
     def confirm(self, findings: Sequence[Finding]) -> tuple[Finding, ...]:
         """The findings with their confirmation and the shortest known path; those that gate come first."""
@@ -89,8 +82,8 @@ class Confirmer:
         """Of each way, `cut` where that can be paid: what to show, whether it came out, and (attempts, succeeded)."""
         shorter = iter(self._shorter([way for way, worth in zip(found, cut, strict=True) if worth]))
         ways = [next(shorter) if worth else way for way, worth in zip(found, cut, strict=True)]
-        nearby = self._attempt(self._simulator, [self._stretch(way) for way in ways], count)
-        half, shown = self._half_step(found, ways, count)
+        nearby = self._retries.nearby(ways, count)
+        half, shown = self._retries.at_half_step(found, ways, count)
         return list(zip(shown, self._exact(shown), half, nearby, strict=True))
 
     def _shorter(self, ways: Sequence[Way]) -> list[Way]:
@@ -152,61 +145,6 @@ class Confirmer:
             for way, again in zip(ways, run_lanes(self._simulator, lanes, self._pause), strict=True)
         ]
 
-    def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:
-        """What remains of a way from the last state on the nav-mesh at least `lead` steps before its outcome.
-
-        Where there is none, from the last expected one; rather not from the instant of a jump: the half step would
-        have to make that of the coarse one.
-        """
-        trial = way.trial
-        away = self.judge.away(trial)[: max(len(trial) - lead, 0)]
-        on_mesh, expected = away <= ON_MESH_M, np.isfinite(away)
-        calm = on_mesh & (trial.actions[: len(away), 1] == 0)
-        some = next((kind for kind in (calm, on_mesh, expected) if kind.any()), expected)
-        begin = int(np.flatnonzero(some)[-1]) + 1 if some.any() else 0
-        start = trial.states[begin - 1] if begin else way.start
-        rest = Trial(start, trial.actions[begin:], trial.states[begin:], trial.stood[begin:], trial.fell)
-        return Way(start, way.outcome, rest)
-
-    def _earlier(self, way: Way, steps: int | None) -> Way:
-        """What remains of a way from so many steps before its stretch; all of it for None."""
-        length = len(way.trial)
-        return self._stretch(way, length if steps is None else len(self._stretch(way).trial) + steps)
-
-    def _half_step(
-        self, found: Sequence[Way], cut: Sequence[Way], count: int
-    ) -> tuple[list[tuple[int, int]], list[Way]]:
-        """(attempts, succeeded) of each way, and the way to show: the cut one only if half the step shows it too."""
-        finer = self._simulate(_at_half_step(_around(self._level, [*found, *cut])), FINE_LANES)
-        tries = self._attempt(finer, [self._stretch(way) for way in cut], count, as_found=True)
-        shown = [
-            way if good else found[row] for row, (way, (_, good)) in enumerate(zip(cut, tries, strict=True))
-        ]
-        for earlier_by in (*EARLIER_STEPS, None):
-            missing = [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
-            earlier = [self._earlier(found[row], earlier_by) for row in missing]
-            more = self._attempt(finer, earlier, count, as_found=True)
-            for row, (attempts, succeeded) in zip(missing, more, strict=True):
-                tries[row] = (tries[row][0] + attempts, succeeded)
-        return tries, shown
-
-    def _attempt(
-        self, simulator: Simulator, ways: Sequence[Way], count: int, as_found: bool = False
-    ) -> list[tuple[int, int]]:
-        """(attempts, succeeded) of `count` variations of each way: half of them scripts, half followers."""
-        lanes, owner = [], []
-        for row, way in enumerate(ways):
-            steps = len(way.trial) * 5 // 4 + LEAD_STEPS
-            plans: list[Plan] = [vary(way.trial.actions, steps, self._rng) for _ in range(count // 2)]
-            plans += [held(way.trial.actions, steps)] if as_found else []
-            plans += pursuits(way.trial, count - count // 2, steps, self._rng)
-            lanes += [Lane(way.start, plan, steps) for plan in plans]
-            owner += [row] * len(plans)
-        tries = np.zeros((len(ways), 2), dtype=np.int64)
-        for row, trial in zip(owner, run_lanes(simulator, lanes, self._pause), strict=True):
-            tries[row] += 1, self.judge.step(ways[row].outcome, trial) is not None
-        return [(int(attempts), int(succeeded)) for attempts, succeeded in tries]
-
 
 def _shown(path: ReplayPath, trial: Trial, step_s: float) -> ReplayPath:
     return dataclasses.replace(
@@ -218,19 +156,3 @@ def _shown(path: ReplayPath, trial: Trial, step_s: float) -> ReplayPath:
         duration_s=len(trial) * step_s,
         found_s=path.duration_s,
     )
-
-
-def _at_half_step(level: Level) -> Level:
-    finer = dataclasses.replace(
-        level.explore,
-        physics_hz=2 * level.explore.physics_hz,
-        action_repeat=2 * level.explore.action_repeat,
-    )
-    return dataclasses.replace(level, explore=finer)
-
-
-def _around(level: Level, ways: Sequence[Way]) -> Level:
-    """The level within `AROUND_M` of the ways, seen from above: falls go on below."""
-    places = [np.concatenate([way.start[None, :3], way.trial.positions]) for way in ways]
-    near = near_from_above(level.collision, places, AROUND_M)
-    return dataclasses.replace(level, collision=level.collision[near])
