@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import struct
 from base64 import b64decode
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -120,20 +121,33 @@ def _checked(tree: dict[str, Any], path: Path, body: bytes | None = None) -> Doc
     document, wrong = parse(tree)
     if document is None:
         raise Unreadable(f"is no valid glTF: {several(wrong)}", _AGAIN)
-    for extension, remedy in GEOMETRY_EXTENSIONS.items():
-        if extension in {*document.extensionsUsed, *document.extensionsRequired}:
-            raise Unreadable(f"uses {extension}, which is not read", remedy)
-    if any(primitive.mode == FAN for _, primitive in document.triangles()):
-        raise Unreadable("holds triangle fans, which are not read", "export triangles")
-    for accessor in document.used().values():
-        if accessor.normalized or accessor.sparse is not None:
-            kind = "quantised" if accessor.normalized else "sparse"
-            remedy = "export without quantisation, or run `gltf-transform dequantize` on it"
-            raise Unreadable(f"holds {kind} positions, which are not read", remedy)
+    if unread := list(_not_read(document, path)):
+        found, remedies = zip(*unread, strict=True)
+        raise Unreadable(several(found), "; ".join(dict.fromkeys(remedies)))
     sizes = [_size(index, buffer, path, body) for index, buffer in enumerate(document.buffers)]
     if wrong := mistakes(document, sizes):
         raise Unreadable(f"is no valid glTF: {several(wrong)}", _AGAIN)
     return document
+
+
+def _not_read(document: Document, path: Path) -> Iterator[tuple[str, str]]:
+    """What is found that cannot be read, with the remedy."""
+    for extension, remedy in GEOMETRY_EXTENSIONS.items():
+        if extension in {*document.extensionsUsed, *document.extensionsRequired}:
+            yield f"uses {extension}, which is not read", remedy
+    if any(primitive.mode == FAN for _, primitive in document.triangles()):
+        yield "holds triangle fans, which are not read", "export triangles"
+    used = document.used().values()
+    if any(accessor.normalized for accessor in used):
+        remedy = "export without quantisation, or run `gltf-transform dequantize` on it"
+        yield "holds quantised positions, which are not read", remedy
+    if any(accessor.sparse is not None for accessor in used):
+        yield "holds sparse positions, which are not read", "export without sparse accessors"
+    for buffer in document.buffers:
+        if buffer.uri is not None and not buffer.uri.startswith("data:"):
+            file = _beside(path, buffer.uri)
+            if not file.is_file():
+                yield f"names the buffer {file.name}, which does not exist", "copy it next to the file"
 
 
 def _size(index: int, buffer: Buffer, path: Path, body: bytes | None) -> int:
@@ -141,11 +155,7 @@ def _size(index: int, buffer: Buffer, path: Path, body: bytes | None) -> int:
     if buffer.uri is None:
         return len(body or b"") if index == 0 else 0
     if not buffer.uri.startswith("data:"):
-        file = _beside(path, buffer.uri)
-        if not file.is_file():
-            found = f"names the buffer {file.name}, which does not exist"
-            raise Unreadable(found, "copy it next to the file")
-        return file.stat().st_size
+        return _beside(path, buffer.uri).stat().st_size
     _, base64, text = buffer.uri.partition("base64,")
     try:
         return len(b64decode(text, validate=True)) if base64 else 0

@@ -182,6 +182,18 @@ def test_quantised_positions_are_refused(write_level: WriteLevel) -> None:
     assert "quantised positions" in only_problem(with_mesh(write_level, "a.glb", glb(tree)))[1]
 
 
+def test_all_that_is_not_read_is_said_at_once(write_level: WriteLevel) -> None:
+    tree = gltf_tree(
+        extensionsUsed=["EXT_meshopt_compression"], buffers=[{"byteLength": 72, "uri": "no.bin"}]
+    )
+    tree["accessors"][0].update(componentType=5122, normalized=True)
+    _, found, remedy = only_problem(with_mesh(write_level, "a.gltf", json.dumps(tree)))
+    for words in ("EXT_meshopt_compression", "quantised positions", "no.bin, which does not exist"):
+        assert words in found
+    for words in ("without compression", "dequantize", "next to the file"):
+        assert words in remedy
+
+
 @pytest.mark.parametrize(
     ("part", "index", "change", "words"),
     [
