@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from reachtest.records import Finding, Level, Report
-from reachtest.report import wording
+from reachtest.report import run_wording, wording
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -62,7 +62,7 @@ def _lines(report: Report, width: int) -> list[tuple[str, str]]:
         lines += _more(len(known) - MAX_OTHERS)
     lines += _audit(report, width)
     lines.append(("", ""))
-    for label, sentence in [*wording.run_facts(report), ("Next", wording.next_step(report))]:
+    for label, sentence in [*run_wording.run_facts(report), ("Next", run_wording.next_step(report))]:
         lines += [(line, "bold" if label == "Next" else "") for line in _row("", label, sentence, width)]
     return lines
 

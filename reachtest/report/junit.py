@@ -11,7 +11,7 @@ import re
 import xml.etree.ElementTree as ET
 
 from reachtest.records import Finding, Level, Report
-from reachtest.report import wording
+from reachtest.report import run_wording, wording
 
 # What XML 1.0 cannot hold, escaped or not.
 _ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -84,11 +84,11 @@ def _skipped_case(suite: ET.Element, suite_name: str, finding: Finding, level: L
 def _run_cases(suite: ET.Element, suite_name: str, report: Report) -> None:
     """The goals, and whether the run could tell."""
     wanted = report.level.gate.min_goals_reached
-    reached, total = wording.goals_that_count(report)
+    reached, total = run_wording.goals_that_count(report)
     total -= report.verdict.goals_given_up
     inconclusive = report.verdict.name == "inconclusive"
     goals_missing = report.verdict.name != "pass" and reached < wanted * total
-    facts = [f"{label}: {text}" for label, text in wording.run_facts(report)]
+    facts = [f"{label}: {text}" for label, text in run_wording.run_facts(report)]
     goals = _case(suite, suite_name, "goals_reached")
     if goals_missing:
         message = f"{reached} of {total} goals reached, {100 * wanted:g} % wanted"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from reachtest.records import Finding, Level, Report
-from reachtest.report import wording
+from reachtest.report import run_wording, wording
 from reachtest.report.risk import sparkline
 
 MAX_FINDINGS = 50  # in a table; GitHub drops a step summary over 1 MiB whole
@@ -42,10 +42,10 @@ def render(report: Report) -> str:
     if (missed := wording.missed_ground(report)) is not None:
         listed = [f"- {escape(place)}" for place in missed[:MAX_FINDINGS]] or ["None."]
         blocks += [f"## Ground that the nav-mesh misses ({len(missed)})", "\n".join(listed)]
-    facts = [f"- **{label}:** {escape_sentence(text)}" for label, text in wording.run_facts(report)]
+    facts = [f"- **{label}:** {escape_sentence(text)}" for label, text in run_wording.run_facts(report)]
     if drawn := sparkline(report):
         facts.append(f"- **Share of episodes that found a new place, over the run:** `{drawn}`")
-    blocks += ["## The run", "\n".join(facts), f"**Next:** {wording.next_step(report)}."]
+    blocks += ["## The run", "\n".join(facts), f"**Next:** {run_wording.next_step(report)}."]
     return "\n\n".join(blocks) + "\n"
 
 

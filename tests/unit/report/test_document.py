@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from reachtest.records import StopReason
-from reachtest.report.wording import run_facts
+from reachtest.report.run_wording import run_facts
 from tests.unit.report.make import (
     FAIL,
     make_exploration,
