@@ -11,7 +11,6 @@ from reachtest.records.arrays import (
     Ints,
 )
 from reachtest.records.exploration import (
-    SATURATED_RISK,
     Candidates,
     EndReason,
     Exploration,
@@ -19,7 +18,6 @@ from reachtest.records.exploration import (
     Origin,
     Pocket,
     Points,
-    RiskSample,
     RoundRecord,
     StepResult,
     StopReason,
@@ -47,6 +45,7 @@ from reachtest.records.report import (
     Report,
     Verdict,
 )
+from reachtest.records.risk import SATURATED_RISK, RiskSample
 from reachtest.records.settings import (
     OUTWARDS,
     ExploreSettings,
