@@ -1,4 +1,5 @@
-"""Which items of oa_dm1 and aggressor the Quake agent reaches, beside what the game's own bot navigation says.
+"""Which items of oa_dm1 and aggressor the Quake agent reaches, and where it is trapped, beside what the game's own bot
+navigation says.
 
 usage: python ci/items.py [STEPS]      (default: 200,000 agent steps, seed 0)
 """
@@ -7,6 +8,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +19,7 @@ from reachtest.columns import ColumnIndex
 from reachtest.explore import Explorer
 from reachtest.levels import load_level
 from reachtest.navmesh.allowed import expected_surface
-from reachtest.records import Character, Level, Required, Spawn
+from reachtest.records import Character, Level, Pocket, Required, Spawn
 from reachtest.world import MujocoSimulator
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -36,6 +38,7 @@ def main() -> None:
         simulator = MujocoSimulator(level, level.explore.lanes)
         found = Explorer(level, simulator, expected_surface(level), 0).run()
         _print(name, truth["items"], found.required_step >= 0, found.required_attempts)
+        _print_traps(level, truth["traps"], found.pockets)
 
 
 def _as_the_game(level: Level, truth: dict[str, Any], steps: int) -> Level:
@@ -93,6 +96,15 @@ def _print(name: str, items: list[dict[str, Any]], reached: Any, attempts: Any) 
             print(
                 f"| {item['cls']} | {place} | {counts} | {'reached' if mine else 'not reached'} | {tried} |"
             )
+
+
+def _print_traps(level: Level, areas: list[Any], pockets: Sequence[Pocket]) -> None:
+    """Areas from which the bots know no way to a spawn, and the pockets from which nobody found one."""
+    print(f"\nTraps: {len(areas)} areas of its bots, {len(pockets)} pockets of ours")
+    for pocket in pockets:
+        place = ", ".join(f"{x:.1f}" for x in level.frame.to_source(pocket.cells.mean(axis=0)))
+        kind = "stuck" if pocket.stuck else "no way back"
+        print(f"* {kind} at {place}: {pocket.attempts} attempts, {pocket.volume_m3:.0f} m3")
 
 
 if __name__ == "__main__":
