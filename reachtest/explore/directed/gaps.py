@@ -18,6 +18,7 @@ from reachtest.records import Bools, Character, Floats, Ints
 RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
 LANDING_M = 0.4  # behind a gap: not on the very edge
 DROP_M = 5.0  # the other side of a gap may lie so much lower
+AT_ONCE = 4096  # pieces of the border: a city has many pairs of them
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 
 
@@ -30,19 +31,14 @@ class Gaps:
     outwards: Floats  # [n, 2] straight over that edge
     landings: tuple[Floats, ...]  # n of [k, 3] a little way into the nav-mesh beyond, the nearest first
 
-    def on(self, islands: Bools) -> Gaps:
-        """Those before which `islands` [I] are."""
-        kept = islands[self.places.island]
-        landings = tuple(self.landings[number] for number in np.flatnonzero(kept))
-        return Gaps(self.places.on(islands), self.edges[kept], self.outwards[kept], landings)
-
 
 def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
     """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to from there."""
     pieces = pieces_of(islands)
-    gaps = _gaps(pieces, connected, who)
-    likely = _closure(connected, gaps.places)
-    return along(pieces).on(likely), gaps.on(likely)
+    start, end = _leaps(pieces, connected, who)
+    likely = connected.copy()
+    likely[pieces.island[end]] = True
+    return along(pieces).on(likely), _gaps(pieces, start, end)
 
 
 def jump_carries(who: Character, away: Floats) -> Bools:
@@ -67,9 +63,11 @@ def flight_s(who: Character, rise_m: Floats | float) -> Floats:
     return np.asarray(seconds, dtype=np.float64)
 
 
-def _gaps(pieces: Pieces, connected: Bools, who: Character) -> Gaps:
-    """Before gaps between islands that a jump may cross, unless both are connected: of each cell the nearest."""
-    start, end, away = _leaps(pieces, connected, who)
+def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
+    """Of pieces `start` [N] in a cell the one from which the way to an island, to pieces `end` [N], is shortest."""
+    away = pieces.middles[end] - pieces.middles[start]
+    order = np.lexsort((np.linalg.norm(away, axis=1), pieces.island[end], start))
+    start, end, away = start[order], end[order], away[order]
     pair = np.column_stack([start, pieces.island[end]])  # a piece of the border, and an island opposite
     first = np.flatnonzero(np.append(True, (pair[1:] != pair[:-1]).any(axis=1))[: len(pair)])
     cell, _ = cells_of(pieces.middles[start[first]])
@@ -91,25 +89,26 @@ def _gaps(pieces: Pieces, connected: Bools, who: Character) -> Gaps:
     )
 
 
-def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints, Floats]:
-    """Pieces of the border [N] that a jump may carry from and to, and the way [N, 3]: by start, island, and length."""
+def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints]:
+    """Pieces of the border [N] that a jump may carry from and to, from island to island: to all but the `connected`."""
     apart = np.flatnonzero(~connected[pieces.island])
     reach = float(np.hypot(_carries_m(who, -DROP_M), DROP_M))
-    everything, some = cKDTree(pieces.middles.reshape(-1, 3)), cKDTree(pieces.middles[apart].reshape(-1, 3))
-    pairs = everything.sparse_distance_matrix(some, reach, output_type="ndarray")
-    one, other = pairs["i"], apart[pairs["j"]]
-    both = connected[pieces.island[one]]  # pairs of two that are apart come both ways of themselves
-    start, end = np.concatenate([one, other[both]]), np.concatenate([other, one[both]])
-    away = pieces.middles[end] - pieces.middles[start]
-    good = (pieces.island[start] != pieces.island[end]) & jump_carries(who, away)
-    start, end, away = start[good], end[good], away[good]
-    order = np.lexsort((np.linalg.norm(away, axis=1), pieces.island[end], start))
-    return start[order], end[order], away[order]
-
-
-def _closure(connected: Bools, gaps: Places) -> Bools:
-    """The islands [I] that one may get to from the `connected` ones, jump by jump."""
-    result = connected.copy()
-    while (new := gaps.target[result[gaps.island] & ~result[gaps.target]]).size:
-        result[new] = True
-    return result
+    there = cKDTree(pieces.middles[apart].reshape(-1, 3))
+    found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
+    reached, latest = connected.copy(), connected
+    while latest.any():
+        here = np.flatnonzero(latest[pieces.island])
+        new = np.zeros_like(connected)
+        for begin in range(0, len(here), AT_ONCE):
+            some = here[begin : begin + AT_ONCE]
+            pairs = cKDTree(pieces.middles[some]).sparse_distance_matrix(there, reach, output_type="ndarray")
+            start, end = some[pairs["i"]], apart[pairs["j"]]
+            good = (pieces.island[start] != pieces.island[end]) & jump_carries(
+                who, pieces.middles[end] - pieces.middles[start]
+            )
+            found.append((start[good], end[good]))
+            new[pieces.island[end[good]]] = True
+        latest = new & ~reached
+        reached |= new
+    starts, ends = zip(*found, strict=True)
+    return np.concatenate(starts), np.concatenate(ends)
