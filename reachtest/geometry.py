@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from reachtest.records import Bools, Floats, Ints
+from reachtest.records import Bools, Character, Floats, Ints
 
 PAIRS_AT_ONCE = 1 << 20  # bounds the memory of one vectorised pass to about 100 MB
 _REST_M = 0.02
@@ -115,6 +115,18 @@ def inside_closed_surface(points: Floats, triangles: Floats) -> Bools:
         winding = np.arctan2(volume, dots).sum(axis=1) / (2 * np.pi)
         result[chosen] = np.abs(winding) > 0.5
     return result
+
+
+def body_inside(feet: Floats, who: Character, triangles: Floats) -> Bools:
+    """Whether characters at `feet` [n, 3] are inside the closed surface `triangles` [F, 3, 3].
+
+    They are when the middle of the body or the centre of its lower sphere is: both are a radius away from any
+    surface that it could merely touch.
+    """
+    inside = np.zeros(len(feet), dtype=np.bool_)
+    for height in (who.radius_m, who.height_m / 2):
+        inside |= inside_closed_surface(feet + np.array([0.0, 0.0, height]), triangles)
+    return inside
 
 
 def near_from_above(triangles: Floats, ways: Iterable[Floats], within_m: float) -> Bools:

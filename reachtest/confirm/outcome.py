@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from reachtest.confirm.pursuit import Route
 from reachtest.confirm.shortcut import over_navmesh
 from reachtest.confirm.trials import Trial
-from reachtest.geometry import at_rest, inside_closed_surface
+from reachtest.geometry import at_rest, body_inside
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Finding, Floats, Level
 
@@ -55,7 +55,7 @@ class Judge:
         """`surface` tells expected from unexpected positions."""
         self._level, self._surface = level, surface
         self._solids = {solid.name: solid for solid in level.solids}
-        self._zones = {zone.name: zone for zone in level.zones}
+        self._zones = {zone.name: zone for zone in level.zones if zone.kind == "forbidden"}
 
     def over_navmesh(self, trial: Trial) -> Route | None:
         """The short way over the nav-mesh to where a trial left it for good; None if there is none."""
@@ -64,13 +64,7 @@ class Judge:
 
     def outcome_of(self, finding: Finding) -> Outcome:
         """What would show `finding` again."""
-        here, target = finding.position[None], None
-        if finding.kind == "inside_solid":
-            inside = (name for name in self._solids if self._in_solid(name, here)[0])
-            target = next(inside, None)
-        elif finding.kind == "forbidden_zone":
-            around = (name for name in self._zones if self._in_zone(name, here)[0])
-            target = next(around, None)
+        target = finding.target if finding.kind in ("inside_solid", "forbidden_zone") else None
         low, high, exit_point = finding.low, finding.high, finding.exit_point
         standing, reach_m = finding.standing, finding.reach_m
         return Outcome(finding.kind, target, finding.position, low, high, exit_point, standing, reach_m)
@@ -119,24 +113,14 @@ class Judge:
         return None
 
     def _in_solid(self, name: str | None, positions: Floats) -> Bools:
-        """Whether the middle of the body or the centre of its lower sphere is inside: as findings have it."""
-        inside = np.zeros(len(positions), dtype=np.bool_)
         if name not in self._solids:
-            return inside
-        character, triangles = self._level.character, self._solids[name].triangles
-        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-        for height in (character.radius_m, character.height_m / 2):
-            body = positions + np.array([0.0, 0.0, height])
-            near = np.flatnonzero(((body >= low) & (body <= high)).all(axis=1))
-            if len(near):
-                inside[near] |= inside_closed_surface(body[near], triangles)
-        return inside
+            return np.zeros(len(positions), dtype=np.bool_)
+        return body_inside(positions, self._level.character, self._solids[name].triangles)
 
     def _in_zone(self, name: str | None, positions: Floats) -> Bools:
         if name not in self._zones:
             return np.zeros(len(positions), dtype=np.bool_)
-        zone = self._zones[name]
-        return np.asarray(((positions >= zone.low) & (positions <= zone.high)).all(axis=1), dtype=np.bool_)
+        return self._zones[name].holds(positions)
 
 
 def _in_pocket(outcome: Outcome, trial: Trial) -> Bools:

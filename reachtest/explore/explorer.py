@@ -110,6 +110,7 @@ class Explorer:
             goal_border_m=aims.border_m[:count],
             required_attempts=aims.attempts[count:],
             required_connected=self._required_connected,
+            trespasses=ledger.trespasses.found,
             pockets=probed.pockets,
             probe_episodes=probed.episodes,
             probe_steps=probed.steps,

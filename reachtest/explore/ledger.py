@@ -17,6 +17,7 @@ from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
 from reachtest.explore.trails import Trails, of_parents
 from reachtest.explore.transitions import Stays, Transitions
+from reachtest.explore.trespass import Trespasses
 from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
@@ -39,6 +40,7 @@ class Ledger:
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self.goals = self._all_goals(level)  # on the nav-mesh, then required points
         self.falls: list[Fall] = []
+        self.trespasses = Trespasses(level)
         self.cache_s = 0.0  # wall-clock time in the cache
         self.rounds = self.steps = self.episodes = self.diverged = 0
 
@@ -86,6 +88,7 @@ class Ledger:
         self._append(rolled, parents, new, trails)
         self.goals.drain(flat, self.steps + valid + 1)
         self._note_ends(rolled, parents, trails)
+        self.trespasses.note(rolled, parents, self.rounds)
         self.steps += rolled.ended.size
         self.rounds += 1
         goals = int((self.goal_step >= 0).sum())

@@ -76,6 +76,7 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
         details=cluster.details,
         standing=cluster.standing,
         reach_m=cluster.reach_m,
+        target=cluster.label or None,
         others=_spread(cluster.falls, sight.position),
     )
 

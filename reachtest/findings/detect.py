@@ -19,30 +19,34 @@ from reachtest.findings.mismatch import navmesh_mismatch
 from reachtest.findings.stuck import no_returns, stuck_places
 from reachtest.interfaces import Replayer, Teller
 from reachtest.navmesh.survey import Survey
-from reachtest.records import Exploration, Finding, Ints, Level
+from reachtest.records import Bools, Exploration, Finding, Ints, Level
 
 NO_POINTS: Ints = np.empty(0, dtype=np.int64)
 
 
 def inside_solids(evidence: Evidence) -> list[Cluster]:
     """Who got into a solid: one bug for each of them."""
-    return _by_label(evidence, "inside_solid", evidence.solid_of, [s.name for s in evidence.level.solids])
+    names = [solid.name for solid in evidence.level.solids]
+    return _by_name(evidence, "inside_solid", list(zip(names, evidence.in_solids, strict=True)))
 
 
 def forbidden_zones(evidence: Evidence) -> list[Cluster]:
     """Who got into a forbidden zone: one bug for each of them."""
     zones = evidence.in_zones("forbidden")
-    return _by_label(evidence, "forbidden_zone", zones, [zone.name for zone in evidence.level.zones])
+    return _by_name(evidence, "forbidden_zone", [(zone.name, inside) for zone, inside in zones])
 
 
-def _by_label(evidence: Evidence, kind: str, member: Ints, labels: list[str]) -> list[Cluster]:
-    positions = evidence.exploration.points.positions
-    groups = [np.flatnonzero(member == index) for index in range(len(labels))]
-    return [
-        Cluster(kind, label, group, (), positions[group])
-        for label, group in zip(labels, groups, strict=True)
-        if len(group)
-    ]
+def _by_name(evidence: Evidence, kind: str, inside: list[tuple[str, Bools]]) -> list[Cluster]:
+    """A cluster for everything that somebody was seen in: cached, or between cached points."""
+    positions, between = evidence.exploration.points.positions, evidence.exploration.trespasses
+    result = []
+    for name, some in inside:
+        points = np.flatnonzero(some)
+        if len(points):
+            result.append(Cluster(kind, name, points, (), positions[points]))
+        elif (fall := between.get((kind, name))) is not None:
+            result.append(Cluster(kind, name, NO_POINTS, (fall,), fall.position[None]))
+    return result
 
 
 def required_points(evidence: Evidence) -> list[Cluster]:

@@ -5,13 +5,14 @@ Shape legend: P cached points, n chosen ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import rtree
 
-from reachtest.geometry import inside_closed_surface
+from reachtest.geometry import body_inside
 from reachtest.interfaces import Replayer
 from reachtest.navmesh.survey import Survey
 from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin, Zone
@@ -51,26 +52,25 @@ class Evidence:
         )
 
     @cached_property
-    def solid_of(self) -> Ints:
-        """Index [P] of the solid each point's character is in; -1 for none.
+    def in_solids(self) -> tuple[Bools, ...]:
+        """By solid of the level: the points [P] whose character is in it. They may be in several."""
+        who, positions = self.level.character, self.exploration.points.positions
+        return tuple(body_inside(positions, who, solid.triangles) for solid in self.level.solids)
 
-        A character is inside when the middle of its body or the centre of its lower sphere is: both are a
-        radius away from any surface it could merely touch.
-        """
-        character, positions = self.level.character, self.exploration.points.positions
-        result = np.full(len(positions), -1, dtype=np.int64)
-        for index, solid in enumerate(self.level.solids):
-            for height in (character.radius_m, character.height_m / 2):
-                inside = inside_closed_surface(positions + np.array([0.0, 0.0, height]), solid.triangles)
-                result[inside & (result < 0)] = index
-        return result
+    def in_zones(self, kind: str) -> tuple[tuple[Zone, Bools], ...]:
+        """By zone of `kind`: the points [P] in it. They may be in several."""
+        positions = self.exploration.points.positions
+        return tuple((zone, zone.holds(positions)) for zone in self.level.zones if zone.kind == kind)
 
-    def in_zones(self, kind: str) -> Ints:
-        """Index [P] of the zone of `kind` that each point is in; -1 for none."""
-        result = np.full(len(self.exploration.points), -1, dtype=np.int64)
-        for index, zone in enumerate(self.level.zones):
-            if zone.kind == kind:
-                result[inside_zone(self.exploration.points.positions, zone) & (result < 0)] = index
+    def in_any_zone(self, kind: str) -> Bools:
+        """The points [P] in a zone of `kind`."""
+        return self.in_any([inside for _, inside in self.in_zones(kind)])
+
+    def in_any(self, inside: Sequence[Bools]) -> Bools:
+        """The points [P] that are in one of several."""
+        result = np.zeros(len(self.exploration.points), dtype=np.bool_)
+        for some in inside:
+            result |= some
         return result
 
     def seen_step(self, origin: Origin) -> int:
@@ -105,8 +105,3 @@ class Evidence:
         """Distance of `position` [3] from the box of a part [m]."""
         part = self.level.parts[index]
         return float(np.linalg.norm(np.maximum(np.maximum(part.low - position, position - part.high), 0.0)))
-
-
-def inside_zone(positions: Floats, zone: Zone) -> Bools:
-    """Whether positions [n, 3] lie in the zone's box."""
-    return np.asarray(((positions >= zone.low) & (positions <= zone.high)).all(axis=1), dtype=np.bool_)

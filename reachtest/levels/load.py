@@ -21,6 +21,7 @@ from reachtest.levels.document import merge, parse, read_yaml
 from reachtest.levels.files import missing_files
 from reachtest.levels.frames import make_frame
 from reachtest.levels.meshes import MESH_READERS, degenerate, read_mesh
+from reachtest.levels.names import distinct
 from reachtest.levels.read_navmesh import NavMeshFile, read_navmesh
 from reachtest.levels.reading import Reading, ReadLevel
 from reachtest.levels.scene import Piece
@@ -93,7 +94,7 @@ class _Builder:
         for index, item in enumerate(self.spec.geometry):
             where = f"{self.path.name}: geometry[{index}]"
             try:
-                pieces = self._pieces(item, where)
+                pieces = self._pieces(item, where, index)
             except BadInput as error:
                 self.problems += error.problems
                 self.collision_known &= item.role == "solid"
@@ -112,7 +113,7 @@ class _Builder:
         except BadInput as error:
             self.problems += error.problems
 
-    def _pieces(self, item: GeometrySpec, where: str) -> tuple[Piece, ...]:
+    def _pieces(self, item: GeometrySpec, where: str, index: int) -> tuple[Piece, ...]:
         if item.shape == "mesh":
             mesh = read_mesh(item, self.folder, self.spec.frame, MESH_READERS, where)
             self.contents.append(mesh.digest_data)
@@ -127,7 +128,7 @@ class _Builder:
             built = grid_surface(built.points)
         triangles = built
         faces = np.arange(3 * len(triangles), dtype=np.int64).reshape(-1, 3)
-        return (Piece(item.name or item.shape, triangles.reshape(-1, 3), faces),)
+        return (Piece(item.name or f"{item.shape} {index}", triangles.reshape(-1, 3), faces),)
 
     def _add(self, item: GeometrySpec, pieces: tuple[Piece, ...], where: str, index: int) -> None:
         label = item.name or (f"{item.shape} {index}" if item.shape != "mesh" else Path(str(item.mesh)).stem)
@@ -157,7 +158,7 @@ class _Builder:
             sha256=self._digest(),
             frame=self.frame,
             collision=collision,
-            solids=tuple(self.solids),
+            solids=distinct(self.solids),
             parts=tuple(self.parts),
             navmesh=navmesh,
             character=spec.character.character(),
@@ -167,9 +168,11 @@ class _Builder:
             ),
             kill_z_m=kill_z,
             bounds=self._bounds(low, high, kill_z),
-            zones=tuple(Zone(zone.name, zone.kind, *zone.box.level_box(self.frame)) for zone in spec.zones),
-            required=tuple(
-                Required(place.name, self._point(place.position), place.within_m) for place in spec.required
+            zones=distinct(
+                [Zone(zone.name, zone.kind, *zone.box.level_box(self.frame)) for zone in spec.zones]
+            ),
+            required=distinct(
+                [Required(place.name, self._point(place.position), place.within_m) for place in spec.required]
             ),
             explore=spec.explore.settings(),
             gate=GateSettings(**spec.gate.model_dump()),

@@ -13,8 +13,6 @@ from reachtest.interfaces import Surface
 from reachtest.navmesh.expected import ExpectedSurface
 from reachtest.records import Floats, Level, Zone
 
-_SINK_M = 0.1  # feet sink a little into the floor, and a zone may begin right on it
-
 
 def expected_surface(level: Level) -> Surface:
     """Where a character is expected in a level: near its nav-mesh, at its links' ends, and in its allowed zones."""
@@ -28,11 +26,11 @@ class AllowedZones:
     def __init__(self, surface: Surface, zones: Sequence[Zone]) -> None:
         """Of `zones` those of kind `allowed_off_mesh` count."""
         self._surface = surface
-        self._boxes = [(z.low - [0, 0, _SINK_M], z.high) for z in zones if z.kind == "allowed_off_mesh"]
+        self._zones = [zone for zone in zones if zone.kind == "allowed_off_mesh"]
 
     def distance(self, points: Floats) -> Floats:
         """Distance [n] of points [n, 3] to the surface [m]; 0 in a zone, infinite where not expected."""
         result = self._surface.distance(points)
-        for low, high in self._boxes:
-            result = np.where(((points >= low) & (points <= high)).all(axis=1), 0.0, result)
+        for zone in self._zones:
+            result = np.where(zone.holds(points), 0.0, result)
         return result

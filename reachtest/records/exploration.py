@@ -6,6 +6,7 @@ Shape legend: B agents, T agent steps of one round, P cached points, G goals, R 
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -174,6 +175,8 @@ class Exploration:
         default_factory=lambda: np.ones(0, dtype=np.bool_)
     )  # [R] to a spawn, by
     # the nav-mesh; empty: not known to be otherwise
+    trespasses: Mapping[tuple[str, str], Fall] = field(default_factory=dict)
+    # where somebody was first seen in each solid and forbidden zone, by kind of finding and name
     pockets: tuple[Pocket, ...] = ()
     probe_episodes: int = 0  # of the search for ways back; outside the step budget
     probe_steps: int = 0  # [agent steps] likewise

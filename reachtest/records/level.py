@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from reachtest.records.arrays import Floats, Ints
+from reachtest.records.arrays import Bools, Floats, Ints
 from reachtest.records.settings import ExploreSettings, GateSettings
+
+SINK_M = 0.1  # feet sink a little into the floor, and a zone may begin right on it
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,16 @@ class Zone:
     kind: str
     low: Floats  # [3]
     high: Floats  # [3]
+
+    def holds(self, feet: Floats) -> Bools:
+        """Which of positions [n, 3] are in it: also who stands on the floor that it begins on."""
+        low, high = self.box
+        return np.asarray(((feet >= low) & (feet <= high)).all(axis=1), dtype=np.bool_)
+
+    @property
+    def box(self) -> tuple[Floats, Floats]:
+        """Where the feet [3] to [3] of somebody in it are."""
+        return self.low - [0, 0, SINK_M], self.high
 
 
 @dataclass(frozen=True)

@@ -80,6 +80,7 @@ class Finding:
     details: tuple[str, ...] = ()  # what else there is to say, a line each
     standing: Floats | None = None  # [k, 3] of a pocket: where somebody stood or lay in it
     reach_m: float | None = None  # of a pocket: farthest that anybody got from where it began in it
+    target: str | None = None  # the name of the solid, zone or required point that it is about
     others: tuple[Fall, ...] = ()  # falls over other parts of its edge, for where its own path is not enough
 
 
