@@ -60,6 +60,9 @@ def main() -> None:
         for problem in error.problems:
             print(f"  {problem.where}\n    {problem.found}\n    {problem.remedy}", file=sys.stderr)
         sys.exit(EXIT_BAD_INPUT)
+    except OSError as error:
+        print(f"cannot go on: {error.filename or 'a file'}: {error.strerror or error}", file=sys.stderr)
+        sys.exit(EXIT_BAD_INPUT)
     except ReachtestError as error:
         print(f"internal error: {error}", file=sys.stderr)
         sys.exit(error.exit_status)

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from reachtest.commands.say import say
+
 baseline = typer.Typer(help="Known bugs, which do not fail the build.", no_args_is_help=True)
 
 
@@ -42,9 +44,9 @@ def update(
     done = update_baseline(file, read_result(out), note, only or (), prune)
     for sign, entries in (("+", done.added), ("-", done.removed)):
         for entry in entries:
-            print(f"{sign} {entry.id}  {entry.title}")
+            say(f"{sign} {entry.id}  {entry.title}")
     changed = f"{len(done.added)} added, {len(done.removed)} removed, {done.kept} kept"
-    print(f"{file}: {changed}" if done.added or done.removed else f"nothing to add ({done.kept} known)")
+    say(f"{file}: {changed}" if done.added or done.removed else f"nothing to add ({done.kept} known)")
 
 
 def _said(option: str, text: str) -> str:

@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from reachtest.commands.arguments import LevelFile
+from reachtest.commands.say import say
 
 bench = typer.Typer(help="Measure reachtest itself.", no_args_is_help=True)
 
@@ -28,13 +29,11 @@ def speed(
 
     figures = asdict(measure_speed(level, steps, seed))
     if as_json:
-        print(json.dumps(figures))
+        say(json.dumps(figures))
     else:
         width = max(map(len, figures))
         for name, value in figures.items():
-            print(
-                f"{name.ljust(width)}  {value:>12,.{2 if value < 100 and isinstance(value, float) else 0}f}"
-            )
+            say(f"{name.ljust(width)}  {value:>12,.{2 if value < 100 and isinstance(value, float) else 0}f}")
 
 
 @bench.command()
@@ -52,7 +51,7 @@ def stability(
         measure_stability(level, seeds, steps, jobs, lambda line: print(line, file=sys.stderr))
         for level in levels
     ]
-    print(json.dumps({"levels": as_data(results)}) if as_json else as_markdown(results))
+    say(json.dumps({"levels": as_data(results)}) if as_json else as_markdown(results))
     raise typer.Exit(0 if all(result.agreed for result in results) else 1)
 
 
@@ -73,4 +72,4 @@ def mutants(
     from reachtest.bench.mutants import as_data, as_markdown, chosen_kinds, measure_recall
 
     recall = measure_recall(level, count, seed, steps, chosen_kinds(kinds))
-    print(json.dumps(as_data(recall)) if as_json else as_markdown(recall))
+    say(json.dumps(as_data(recall)) if as_json else as_markdown(recall))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from reachtest.commands.arguments import LevelFile
+from reachtest.commands.say import say
 
 
 def validate(level: LevelFile) -> None:
@@ -17,14 +18,14 @@ def validate(level: LevelFile) -> None:
     check = check_level(loaded)
     width = max(len(name) for name, _ in check.facts)
     for name, fact in check.facts:
-        print(f"{name.ljust(width)}  {fact}")
+        say(f"{name.ljust(width)}  {fact}")
     for warning in check.warnings:
-        print(f"warning: {warning}")
-    print(f"{level.name} is valid" + (f", {len(check.warnings)} warnings" if check.warnings else ""))
+        say(f"warning: {warning}")
+    say(f"{level.name} is valid" + (f", {len(check.warnings)} warnings" if check.warnings else ""))
 
 
 def schema() -> None:
     """Print the JSON schema of level.yaml, for editors."""
     from reachtest.levels import json_schema
 
-    print(json.dumps(json_schema(), indent=2))
+    say(json.dumps(json_schema(), indent=2))

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from reachtest.commands.say import say
+
 
 class Format(StrEnum):
     """How to print a comparison."""
@@ -33,5 +35,5 @@ def diff(
     from reachtest.results import read_result
 
     difference = compare(read_result(old), read_result(new))
-    print(RENDERERS[as_.value](difference), end="")
+    say(RENDERERS[as_.value](difference), end="")
     raise typer.Exit(difference.exit_code)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from reachtest.commands.arguments import LevelFile
+from reachtest.commands.say import say
 
 navmesh = typer.Typer(help="Look at nav-meshes, and build them.", no_args_is_help=True)
 
@@ -51,7 +52,7 @@ def build(
         typer.echo(f"warning: {warning}", err=True)
     write_navmesh(built, loaded.frame, out)
     area = triangle_normals(built.triangles)[1].sum()
-    print(f"{out}: {len(built.faces):,} triangles, {area:,.0f} m2")
+    say(f"{out}: {len(built.faces):,} triangles, {area:,.0f} m2")
 
 
 def _section(level: Path, given: dict[str, Any]) -> Any:
@@ -99,7 +100,7 @@ def info(
     from reachtest.navmesh.facts import facts, table
 
     found = facts(read_navmesh_file(file, up_axis=up_axis, units=_units(units), format=format))
-    print(json.dumps(found, indent=2) if json_ else table(found))
+    say(json.dumps(found, indent=2) if json_ else table(found))
 
 
 def _units(text: str | None) -> str | float | None:

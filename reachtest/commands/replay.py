@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from reachtest.commands.say import say
+
 if TYPE_CHECKING:
     from reachtest.replaying.kept import KeptFinding, State
 
@@ -49,12 +51,12 @@ def replay(
         check_video(video, now, opengl)
     changed = repeat.changes(now, state)
     for change in changed:
-        print(f"changed since the run: {change}")
+        say(f"changed since the run: {change}")
     now = repeat.at_its_step(now, state)
     results = repeat.repeat(now, state, chosen, bool(changed))
     for result in results:
-        print(show.line(now, result))
-    print(show.summary(results))
+        say(show.line(now, result))
+    say(show.summary(results))
     shown = show.first_way(results) if targets else None
     if path and shown:
         show.write_points(path, now, shown)
@@ -63,7 +65,7 @@ def replay(
     if video and shown:
         write_video(video, now, shown, opengl)
     for target in targets:
-        print(f"{target}: {shown.finding.id if shown else ''}")
+        say(f"{target}: {shown.finding.id if shown else ''}")
     raise typer.Exit(_status([result.passed for result in results]))
 
 

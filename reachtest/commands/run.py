@@ -9,6 +9,8 @@ from typing import Annotated
 import typer
 
 from reachtest.commands.arguments import LevelFile
+from reachtest.commands.say import say
+from reachtest.errors import BadInput, Problem
 
 
 def run(
@@ -22,7 +24,7 @@ def run(
     agents: Annotated[int | None, typer.Option(min=1, help="Agents that explore side by side.")] = None,
     threads: Annotated[int, typer.Option(min=0, help="Simulation threads; 0 takes every core.")] = 0,
     fail_on: Annotated[
-        str | None, typer.Option(help="Kinds of findings that fail, or error, warning; by commas.")
+        str | None, typer.Option(help="Kinds of findings that fail, or error, warning; by commas; or none.")
     ] = None,
     baseline: Annotated[
         Path | None,
@@ -43,11 +45,7 @@ def run(
     from reachtest.signals import StopOnSignal
 
     explore = {"steps": steps, "time_budget": time_budget, "agents": agents}
-    gate = (
-        {"fail_on": [kind.strip() for kind in fail_on.split(",") if kind.strip()]}
-        if fail_on is not None
-        else {}
-    )
+    gate = {} if fail_on is None else {"fail_on": _kinds(fail_on)}
     options = pipeline.with_overrides(
         pipeline.RunOptions(level, out, seed, threads, baseline=baseline, audit=audit),
         explore=explore,
@@ -57,10 +55,19 @@ def run(
     with StopOnSignal() as interrupted, progress_for(loaded.explore, quiet) as progress:
         report, folder = pipeline.run(loaded, options, [progress], interrupted, progress.tell)
     if as_json:
-        print(json.dumps(report.document, indent=1))
+        say(json.dumps(report.document, indent=1))
     else:
         _print_summary(report, folder)
     raise typer.Exit(report.verdict.exit_code)
+
+
+def _kinds(fail_on: str) -> list[str]:
+    kinds = [kind.strip() for kind in fail_on.split(",") if kind.strip()]
+    if not kinds:  # a variable that is not set must not open the gate
+        raise BadInput(
+            [Problem("--fail-on", "is empty", "give kinds of findings, error or warning, or none")]
+        )
+    return [] if kinds == ["none"] else kinds
 
 
 def _print_summary(report: object, folder: Path) -> None:
@@ -71,5 +78,7 @@ def _print_summary(report: object, folder: Path) -> None:
 
     assert isinstance(report, Report)
     console = Console(highlight=False, soft_wrap=True)
-    console.print(console_summary(report, console.width))
-    console.print(f"Written to {folder}/")
+    with console.capture() as printed:
+        console.print(console_summary(report, console.width))
+        console.print(f"Written to {folder}/")
+    say(printed.get(), end="")

@@ -106,8 +106,10 @@ class Prober:
         """Episodes from all over the regions in all directions, and on from where they ended."""
         rng = start_generator(self._seed, self._attempts.round)
         each = max(1, self._simulator.agents // len(regions))
-        rows = np.concatenate([self._starts(rng, trapped, region, each) for region in regions])
-        number = np.arange(len(rows)) % each
+        rows = np.concatenate(
+            [self._starts(rng, trapped, region, self._numbers(each, each)) for region in regions]
+        )
+        number = self._numbers(len(rows), each)
         jumps = np.array(JUMPS)[number // 8 % len(JUMPS)]
         front = self._nudged(rng, self._front(trapped, rows), number // 8 % 2 == 1)
         for episode in range(CHAIN):
@@ -115,14 +117,20 @@ class Prober:
             headings = self._back(trapped, front) if episode % 2 else around
             front = self._attempts.run(front, headings, jumps)
 
-    def _starts(self, rng: np.random.Generator, trapped: Trapped, region: Region, count: int) -> Ints:
+    def _numbers(self, lanes: int, each: int) -> Ints:
+        """Numbers [lanes] that say which way and how a region's `each` attempts go; few lanes take turns at them."""
+        turn = self._attempts.round // CHAIN * each if each < LANES_A_REGION else 0
+        return turn + np.arange(lanes) % each
+
+    def _starts(self, rng: np.random.Generator, trapped: Trapped, region: Region, number: Ints) -> Ints:
         """Where to start from: where one ends up; on the way there, which may fork; where a way back is near."""
         places = trapped.graph.places
+        count = len(number)
         known = region.rows[trapped.graph.origins[region.rows, 0] != UNKNOWN]
         core, any_ = rng.choice(self._known(trapped, region), count), rng.choice(known, count)
         away = np.linalg.norm(places[known] - self._way_back(trapped, places[known]), axis=1)
         border = rng.choice(known[np.argsort(away, kind="stable")[: max(BORDER, len(known) // 8)]], count)
-        return np.choose(np.arange(count) // 16 % 4, [core, border, core if region.stuck else border, any_])
+        return np.choose(number // 16 % 4, [core, border, core if region.stuck else border, any_])
 
     def _known(self, trapped: Trapped, region: Region) -> Ints:
         """The places of a region that the exploration got to itself: where one ends up, if possible."""

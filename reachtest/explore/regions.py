@@ -13,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from reachtest.columns import ColumnIndex
 from reachtest.explore.transitions import Graph
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
@@ -50,8 +51,9 @@ class TrapFinder:
 
     def __init__(self, level: Level, islands: Islands) -> None:
         self._islands = islands
-        self._spawns = np.array([spawn.position for spawn in level.spawns])
-        self._home_islands = np.setdiff1d(islands.of(self._spawns), -1)
+        spawns = np.array([spawn.position for spawn in level.spawns])
+        self._home_islands = np.setdiff1d(islands.of(spawns), -1)
+        self._spawns = _on_the_floor(level, spawns)
 
     def find(self, graph: Graph, suspects: Ints | None = None) -> Trapped:
         """Regions of the transitions as they stand; if given, only those with some of `suspects` (keys).
@@ -80,7 +82,7 @@ class TrapFinder:
         return Trapped(graph, back, keys, regions)
 
     def _homes(self, graph: Graph) -> Bools:
-        """The places [N] where the spawns stand; below them if they hang in the air."""
+        """The places [N] where who spawns stands; below them if nobody stood there."""
         homes = np.zeros(len(graph.keys), dtype=np.bool_)
         for spawn in self._spawns:
             away = graph.places - spawn
@@ -95,6 +97,14 @@ class TrapFinder:
         on = np.zeros(len(graph.keys), dtype=np.bool_)
         on[trapped] = np.isin(self._islands.of(graph.places[trapped]), self._home_islands)
         return graph.leads_to(on)[trapped]
+
+
+def _on_the_floor(level: Level, spawns: Floats) -> Floats:
+    """Where who begins at `spawns` [S, 3] comes to stand: some hang in the air, over what they fall onto."""
+    floor, _ = ColumnIndex(level.collision).highest(spawns, np.inf, STAND_M)
+    floors = spawns.copy()
+    floors[:, 2] = np.where(np.isfinite(floor), floor, spawns[:, 2])
+    return floors
 
 
 def _connected(graph: Graph, rows: Ints) -> list[Ints]:

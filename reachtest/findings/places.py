@@ -16,7 +16,7 @@ def say_place(level: Level, position: Floats) -> str:
     metres_a_unit = float(np.linalg.norm(level.frame.matrix[:, 0]))
     digits = max(0, int(np.ceil(np.log10(metres_a_unit / 0.01) - 1e-9)))
     values = level.frame.to_source(position).round(digits) + 0.0  # + 0.0: no "-0"
-    return "(" + ", ".join(f"{value:g}" for value in values.tolist()) + ")"
+    return "(" + ", ".join(np.format_float_positional(value, trim="-") for value in values.tolist()) + ")"
 
 
 def say_places(level: Level, positions: Sequence[Floats]) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import BinaryIO, Self
 
 import numpy as np
 
+from reachtest.errors import BadInput, Problem
 from reachtest.logs.channels import Channels
 from reachtest.records import Finding, Level, RoundRecord
 
@@ -38,7 +40,7 @@ class McapLog:
         self._round_s = round_s
         self._started = False
         path.parent.mkdir(parents=True, exist_ok=True)
-        self._stream = self._part.open("wb")
+        self._stream = _alone(self._part)
         self._channels = Channels(self._stream)
 
     def __enter__(self) -> Self:
@@ -112,6 +114,24 @@ class McapLog:
         for instant in instants.tolist():
             time_ns = begin_ns + (end_ns - begin_ns) * instant // steps
             self._channels.write("/agents", poses(record.trajectories[instant - 1], time_ns), time_ns)
+
+
+def _alone(part: Path) -> BinaryIO:
+    """The file, empty and open for writing. Raises BadInput while another run has it open."""
+    stream = os.fdopen(os.open(part, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666), "wb")
+    if sys.platform != "win32":
+        import fcntl
+
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            stream.close()
+            found = "another run is writing there"
+            raise BadInput(
+                [Problem(f"{part.parent}", found, "give each run a folder of its own with --out")]
+            ) from error
+    stream.truncate(0)
+    return stream
 
 
 def _ns(time_s: float) -> int:

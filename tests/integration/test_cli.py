@@ -141,6 +141,36 @@ def test_a_signal_while_confirming_leaves_the_rest_unconfirmed(open_yard, tmp_pa
     assert "unconfirmed" in (tmp_path / "summary.md").read_text()
 
 
+def test_an_empty_fail_on_does_not_open_the_gate(open_yard, tmp_path) -> None:
+    for empty in ("", " , "):
+        done = reachtest("run", open_yard, "--out", tmp_path, "--fail-on", empty)
+        assert done.returncode == 2
+        assert "--fail-on\n    is empty" in done.stderr
+    assert reachtest("run", open_yard, "--out", tmp_path, "--quiet", "--fail-on", "none").returncode == 0
+
+
+def test_who_reads_the_first_line_only_does_not_change_the_exit_status(closed_yard, tmp_path) -> None:
+    arguments = ["run", closed_yard, "--out", tmp_path, "--quiet", "--steps", "40000"]
+    with subprocess.Popen([*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.close()  # before anything is written
+        assert process.wait(60) == 0
+
+
+def test_a_full_disk_is_a_message(closed_yard, tmp_path) -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("the system has no /dev/full")
+    arguments = ["run", closed_yard, "--out", tmp_path, "--quiet", "--steps", "2000"]
+    with full.open("w") as stdout:
+        done = subprocess.run(
+            [*COMMAND, *map(str, arguments)], stdout=stdout, stderr=subprocess.PIPE, text=True, timeout=60
+        )
+    assert done.returncode == 2
+    assert "No space left" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_all_mistakes_come_at_once_and_nothing_is_run(tmp_path) -> None:
     file = yard(tmp_path / "yard", closed=True, extra="colour: blue\n")
     text = file.read_text().replace("nav.obj", "nov.obj").replace("character: unreal", "character: unrael")

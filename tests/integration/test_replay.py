@@ -215,3 +215,12 @@ def test_a_film_shows_the_whole_way(made, tmp_path) -> None:
         colours = len(film.convert("RGB").getcolors(1 << 24))
     assert length == pytest.approx(the_finding(made)["path"]["duration_s"], rel=0.15)
     assert colours > 10
+
+
+def test_a_setting_that_tells_where_one_is_expected_is_a_change(folder) -> None:
+    file = folder / "yard" / "level.yaml"
+    file.write_text(file.read_text().replace("goal_spacing_m: 3", "goal_spacing_m: 3, expected_within_m: 4"))
+    done = replay(folder)
+    assert "changed since the run: explore.expected_within_m is 4.0, it was 3.0" in done.stdout
+    file.write_text(file.read_text().replace("steps: ", "steps: 1"))
+    assert "explore.steps" not in replay(folder).stdout  # how long one looks changes no level

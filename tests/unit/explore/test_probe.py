@@ -157,3 +157,29 @@ def test_who_interrupts_while_pockets_are_looked_for_does_not_wait_for_the_end()
     assert result.agent_steps == where.explore.steps
     assert result.stop_reason is StopReason.INTERRUPTED
     assert (result.probe_steps, result.pockets) == (0, ())
+
+
+@pytest.mark.parametrize("height_m", [0.02, 1.5])
+def test_who_begins_in_the_air_of_a_small_room_is_not_stuck_in_it(height_m: float) -> None:
+    """One never gets back up there; home is where one lands."""
+    walls = [box([-2, -2, -1], [-1.35, 2, 4]), box([1.35, -2, -1], [2, 2, 4])]
+    walls += [box([-2, -2, -1], [2, -1.35, 4]), box([-2, 1.35, -1], [2, 2, 4])]
+    settings = ExploreSettings(steps=8_192, agents=8)
+    floor = box([-2, -2, -1], [2, 2, 0])
+    where = level(*walls, floor, navmesh=sheet(-1, -1, 1, 1), spawn=[0, 0, height_m], explore=settings)
+    assert explore(where).pockets == ()
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+def test_few_lanes_jump_too(seed: int) -> None:
+    """Two crates lead out of the pit, one after the other; eight lanes take turns at walking and jumping."""
+    ground = [box([-8, -8, -3], [-1.4, 8, 0]), box([1.4, -8, -3], [8, 8, 0])]
+    ground += [box([-1.4, 1.4, -3], [1.4, 8, 0]), box([-1.4, -8, -3], [1.4, -1.4, 0])]
+    pit = box([-1.4, -1.4, -4.3], [1.4, 1.4, -2.3])
+    crates = [box([0.5, 0.5, -2.3], [1.4, 1.4, -1.5]), box([-1.4, 0.5, -2.3], [-0.5, 1.4, -0.8])]
+    settings = ExploreSettings(steps=2_000, agents=1)
+    navmesh = sheet(-7.6, -7.6, -1.8, 7.6)
+    where = level(*WALLS, *ground, pit, *crates, navmesh=navmesh, spawn=[-3, 0, 0.02], explore=settings)
+    found = explore(where, seed)
+    assert (found.points.positions[:, 2] < -1.0).any()  # somebody was in it
+    assert found.pockets == ()

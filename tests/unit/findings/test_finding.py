@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 
 from reachtest.findings import find, judge
-from reachtest.records import Exploration, GateSettings, Part, ReplayPath, Required, Solid, StopReason, Zone
+from reachtest.findings.places import say_place
+from reachtest.records import (
+    Exploration,
+    Frame,
+    GateSettings,
+    Part,
+    ReplayPath,
+    Required,
+    Solid,
+    StopReason,
+    Zone,
+)
 from tests.levels import FLOOR, box, level
 from tests.unit.findings.test_detect import Paths, exploration, fall
 
@@ -216,3 +227,10 @@ def test_a_verdict_says_what_is_missing() -> None:
 
 def test_an_exploration_that_found_nothing_at_all() -> None:
     assert find(LEVEL, exploration(), Paths()) == ()
+
+
+def test_places_in_details_are_told_to_the_unit_however_far_off() -> None:
+    frame = Frame(np.array([[0.01, 0, 0], [0, 0, -0.01], [0, 0.01, 0]]), "y", "cm")
+    where = replace(level(FLOOR), frame=frame)
+    assert say_place(where, np.array([12345.678, -4000.5, 10.0])) == "(1234568, 1000, 400050)"
+    assert say_place(level(FLOOR), np.array([1.25, 0.0, -3.5])) == "(1.25, 0, -3.5)"

@@ -11,6 +11,7 @@ import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
+from reachtest.errors import BadInput
 from reachtest.interfaces import Observer
 from reachtest.logs import McapLog
 from reachtest.records import ReplayPath
@@ -258,3 +259,13 @@ def test_chunks_overlap_in_no_time(run_mcap: Path) -> None:
     chunks = summary(run_mcap).chunk_indexes
     for earlier, later in itertools.pairwise(chunks):
         assert earlier.message_end_time <= later.message_start_time
+
+
+def test_two_runs_do_not_write_one_file(tmp_path: Path) -> None:
+    first = McapLog(tmp_path / "run.mcap", make_level(), ROUND_S)
+    first.on_round(make_round(0))
+    with pytest.raises(BadInput, match="another run is writing there"):
+        McapLog(tmp_path / "run.mcap", make_level(), ROUND_S)
+    first.close()
+    assert summary(tmp_path / "run.mcap") is not None
+    McapLog(tmp_path / "run.mcap", make_level(), ROUND_S).close()  # once it is done the place is free
