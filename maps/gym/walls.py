@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from kit.pieces import Piece
@@ -131,26 +132,36 @@ def squeezing(jump: bool) -> Callable[[Character], Exercise]:
     return build
 
 
-def wall_jumps(c: Character) -> Exercise:
+def wall_jumps(course: float = np.inf) -> Callable[[Character], Exercise]:
     """Jumping at a wall with the button held, straight on, aslant, along."""
     sticks = (EAST, NORTH_EAST, NORTH, EAST)
-    return _climbing(c, tuple(Hold(1.5, stick, True) for stick in sticks))
+    return _climbing(tuple(Hold(1.5, stick, True) for stick in sticks), course)
 
 
-def jitter(c: Character) -> Exercise:
+def jitter(course: float = np.inf) -> Callable[[Character], Exercise]:
     """Jumping into a corner of two walls with stick and button changing every few ticks."""
     sticks = (EAST, WEST, NORTH_EAST, NORTH_WEST, NORTH, SOUTH_EAST)
     to_wall = (Hold(1.5, NORTH_EAST),)
     holds = tuple(Hold(0.07 + 0.03 * (k % 4), sticks[k % 6], k % 3 != 2) for k in range(80))
-    return _climbing(c, to_wall + holds)
+    return _climbing(to_wall + holds, course)
 
 
-def _climbing(c: Character, holds: tuple[Hold, ...]) -> Exercise:
-    tall = apex(c) + 5
-    walls = (block(2, 3, -3, 3, tall), block(-6, 2, 2, 3, tall))
-    check = Check("highest [m]", highest, at_most=1.03 * apex(c) + 0.02)
-    zone = ((-6.0, -3.0, 1.03 * apex(c) + 0.5), (3.0, 3.0, tall + 3))
-    return Exercise((floor(-6, 3), *walls), (0, 0, 0.02), (SETTLE, *holds), (check,), forbidden=(zone,))
+def _climbing(holds: tuple[Hold, ...], course: float) -> Callable[[Character], Exercise]:
+    """At two walls of blocks, `course` times as high as a jump: where they are flush their joints are no ledges."""
+
+    def build(c: Character) -> Exercise:
+        tall = apex(c) + 5
+        joints = [*np.arange(0.0, tall - 1e-6, min(course * apex(c), tall)).tolist(), tall]
+        walls = [
+            block(*sides, top, base)
+            for base, top in pairwise(joints)
+            for sides in ((2, 3, -3, 3), (-6, 2, 2, 3))
+        ]
+        check = Check("highest [m]", highest, at_most=1.03 * apex(c) + 0.02)
+        zone = ((-6.0, -3.0, 1.03 * apex(c) + 0.5), (3.0, 3.0, tall + 3))
+        return Exercise((floor(-6, 3), *walls), (0, 0, 0.02), (SETTLE, *holds), (check,), forbidden=(zone,))
+
+    return build
 
 
 EXERCISES = {
@@ -162,6 +173,9 @@ EXERCISES = {
     "sliding along a wall of panels": sliding(1.0),
     "walls that meet at 10 degrees": squeezing(jump=False),
     "walls that meet at 10 degrees, jumping": squeezing(jump=True),
-    "jumping at a wall": wall_jumps,
-    "jumping into a corner, jittering": jitter,
+    "jumping at a wall": wall_jumps(),
+    "jumping into a corner, jittering": jitter(),
+    "jumping at a wall of low blocks": wall_jumps(course=0.25),
+    "jumping into a corner of blocks, jittering": jitter(course=0.7),
+    "jumping into a corner of low blocks, jittering": jitter(course=0.25),
 }

@@ -14,6 +14,7 @@ from reachtest.world.controller import Contacts, Plan
 from reachtest.world.tiled_batch import TiledBatch
 
 OVERLAP_M = 0.02  # deeper than any resting contact: a place that overlaps more is not free
+TREAD_M = 0.05  # a step is at least so deep: what is less is the face of a wall
 BLOCKED_COS = 0.25  # a velocity that points this much into an obstacle wants to step onto it
 
 
@@ -36,11 +37,14 @@ class Footwork:
         ahead[:, :2] -= wall * (self._who.radius_m + 0.06)
         ledge, slope = self._columns.highest(ahead, -0.02, self._who.step_height_m + 0.005)
         good = np.isfinite(ledge) & (slope >= self._slope_cos)
-        ids = ids[good]
+        ids, wall = ids[good], wall[good]
         lifted, moved = self._batch.position[ids], self._batch.velocity[ids]
         lifted[:, 2] = ledge[good] + 0.005
         moved[:, :2], moved[:, 2] = plan.uncut[ids], 0.0
-        return self._try_place(ids, lifted, moved)
+        onto = lifted.copy()
+        onto[:, :2] -= TREAD_M * wall
+        room = self._has_room(ids, onto)
+        return self._try_place(ids[room], lifted[room], moved[room])
 
     @staticmethod
     def _blocked(plan: Plan, contacts: Contacts, may: Bools) -> tuple[Ints, Floats]:
@@ -66,6 +70,19 @@ class Footwork:
         ids, lowered, still = ids[good], feet[good], velocity[ids[good]]
         lowered[:, 2], still[:, 2] = target[good], 0.0
         return self._try_place(ids, lowered, still, on_ground=True)
+
+    def _has_room(self, ids: Ints, positions: Floats) -> Bools:
+        """Who of agents [n] would overlap nothing at `positions` [n, 3]: a joint between two blocks is no step."""
+        if not len(ids):
+            return np.zeros(0, dtype=np.bool_)
+        batch = self._batch
+        kept = batch.position[ids]
+        batch.position[ids] = positions
+        batch.touch(ids)
+        free = batch.deepest()[ids] > -OVERLAP_M
+        batch.position[ids] = kept
+        batch.touch(ids[~free])
+        return np.asarray(free, dtype=np.bool_)
 
     def _try_place(self, ids: Ints, positions: Floats, velocities: Floats, on_ground: bool = False) -> Ints:
         """Move agents [n] where there is room (and ground, if asked); returns those that moved."""
