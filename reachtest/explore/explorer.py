@@ -108,7 +108,7 @@ class Explorer:
             headings=self._round_headings(),
             goal_attempts=aims.attempts[:count],
             goal_border_m=aims.border_m[:count],
-            required_attempts=aims.attempts[count:],
+            required_attempts=aims.attempts_at_parts()[count:],
             required_connected=self._required_connected,
             trespasses=ledger.trespasses.found,
             pockets=probed.pockets,

@@ -22,6 +22,7 @@ from reachtest.records import Bools, Fall, Floats, Ints, Level
 
 LINK_M = 4.0  # exits and areas closer than this are one bug: a little more than "expected" reaches
 _SAME_M = 0.5
+_SAMPLES = 17  # of a way: a metre or less of a jump apart
 
 
 def escapes(evidence: Evidence) -> list[Cluster]:
@@ -62,8 +63,11 @@ def _fall_groups(
     if not falls:
         return number, left
     void = Void(level)
-    over = void.entries(footings, np.array([fall.position for fall in falls]))
-    direct = (np.linalg.norm(footings - left, axis=1) < _SAME_M) & ~np.isnan(over[:, 0])
+    ends = np.array([fall.position for fall in falls])
+    over = void.entries(footings, ends)
+    at_once = np.linalg.norm(footings - left, axis=1) < _SAME_M
+    _where_others_fell(over, at_once & np.isnan(over[:, 0]), footings, ends)
+    direct = at_once & ~np.isnan(over[:, 0])
     edges = np.where(direct[:, None], over, left)
     # An edge counts as high as its floor, and as high as it was crossed: who jumps off a plateau at the rim joins both.
     crossed = np.where(direct[:, None], np.column_stack([edges[:, :2], footings[:, 2]]), left)
@@ -74,6 +78,26 @@ def _fall_groups(
     for group, same in zip(groups, label, strict=True):
         number[group] = same
     return np.unique(number, return_inverse=True)[1], edges
+
+
+def _where_others_fell(over: Floats, bent: Bools, footings: Floats, ends: Floats) -> None:
+    """Give falls that are `bent` [m] the edge, `over` [m, 3], of the nearest fall beside their way, in place.
+
+    Who bounced off the wall of a hole, or slid down a chute, ends below a floor: on its way, taken to be straight,
+    there is no void.
+    """
+    known, lost = np.flatnonzero(~np.isnan(over[:, 0])), np.flatnonzero(bent)
+    if not len(known) or not len(lost):
+        return
+    share = np.linspace(0.0, 1.0, _SAMPLES)[:, None]
+    ways = footings[lost, None] + share * (
+        (ends - footings)[lost, None] * [1.0, 1.0, 0.0]
+    )  # as high as the floor
+    away, which = _nearest(over[known], ways.reshape(-1, 3))
+    away, which = away.reshape(len(lost), _SAMPLES), which.reshape(len(lost), _SAMPLES)
+    best = away.argmin(axis=1)
+    near = away[np.arange(len(lost)), best] <= LINK_M
+    over[lost[near]] = over[known[which[np.arange(len(lost)), best][near]]]
 
 
 def _beside(over: Floats, direct: Bools) -> Ints:

@@ -255,7 +255,7 @@ class LevelSpec(Spec):
         None,
         min_length=1,
         max_length=100,
-        pattern=r"^[^/\\\x00]+$",
+        pattern=r"^\.*[^/\\\x00.][^/\\\x00]*$",  # a folder gets this name: not the one above
         description="Default: the folder's name.",
     )
     frame: FrameSpec = Field(

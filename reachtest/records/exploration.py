@@ -170,7 +170,8 @@ class Exploration:
     goal_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     # [G] directed at it since a goal of the same open part was reached last
     goal_border_m: Floats = field(default_factory=lambda: np.zeros(0))  # [G] nearest place they began at
-    required_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))  # [R] likewise
+    required_attempts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    # [R] likewise, at the whole open part that a required point lies in
     required_connected: Bools = field(
         default_factory=lambda: np.ones(0, dtype=np.bool_)
     )  # [R] to a spawn, by

@@ -120,9 +120,12 @@ def _next_inconclusive(report: Report) -> str:
         return "run again: what was found so far is in the report"
     if len(exploration.goals) and not (exploration.goal_step >= 0).any():
         return "no goal was reached at all: check the spawn, the axes and the units in the level file"
+    missed, connected = exploration.required_step < 0, exploration.required_connected
+    reached, total = goals_that_count(report)
+    if reached == total and len(connected) and missed.any() and not (missed & connected).any():
+        return "check where the required points lie, or connect the nav-mesh to them: more steps know no better way"
     more = report.verdict.steps_to_go or exploration.agent_steps
     longer = f"run longer, for example with --steps {exploration.agent_steps + more}"
-    reached, total = goals_that_count(report)
     if reached == total and (exploration.required_step >= 0).all():
         return f"{longer}: everything was reached, but new places are still being found"
     return f"{longer}, or open run.mcap to see which places are cut off"

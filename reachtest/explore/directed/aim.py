@@ -55,6 +55,15 @@ class Aims:
         """Whether a goal is open that one should be able to get to."""
         return bool(((self._goals.reached_step < 0) & self._promised).any())
 
+    def attempts_at_parts(self) -> Ints:
+        """Attempts [G] in vain at the whole open part that a goal lies in: what is deep in it is never aimed at."""
+        result = self.attempts.copy()
+        open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
+        if len(open_):
+            part = _parts(self._goals.goals[open_], self._link)
+            result[open_] = np.bincount(part, weights=self.attempts[open_])[part]
+        return result
+
     def add(self, goals: Bools) -> None:
         """Try to get to `goals` [G] as well."""
         self._worth = self._promised | goals

@@ -90,6 +90,16 @@ def test_attempts_are_made_from_the_border_and_begin_anew_when_it_moves() -> Non
     assert aim.border_m[1] == pytest.approx(4.0)
 
 
+def test_what_lies_deep_in_an_open_part_is_tried_with_it() -> None:
+    """A required point behind a blocked door: nobody aims at it from the door, but all attempts are at its part."""
+    aim, _ = aims([*([x, 0, 0] for x in range(4, 44, 4)), [0, -40, 0]])
+    cache, candidates = cached([0, 0, 0], [0, -36, 0])
+    for seed in range(3):
+        aim.draw(np.random.default_rng(seed), 8, cache, candidates)
+    assert aim.attempts[9] == 0
+    assert aim.attempts_at_parts().tolist() == [12] * 10 + [12]
+
+
 def test_attempts_from_afar_are_void_once_there_is_a_nearer_place() -> None:
     aim, _ = aims([[40, 0, 0]])
     aim.draw(np.random.default_rng(0), 5, *cached([0, 0, 0]))

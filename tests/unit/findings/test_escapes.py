@@ -54,6 +54,16 @@ def into(low_x, low_y, high_x, high_y, back=0.1) -> list[Fall]:
     return [falls(footing, way, far=back + 1.5) for footing, way in sides]
 
 
+def test_who_bounces_off_the_wall_of_a_hole_shows_the_same_hole() -> None:
+    """He ends below the floor where he came from, and no void lies on the straight way there."""
+    hole = (6, 3, 8, 5)
+    bounced = [falls([2.0, 2.4], [1, 0.2], far=1.0), falls([9.5, 6.0], [1, 1], far=0.5)]
+    every = [*into(*hole), *bounced]
+    (finding,) = found(*floor_with_holes(hole), result=exploration(falls=every))
+    assert finding.points == len(every)
+    assert (np.abs(finding.exits[:, :2] - [7, 4]) < 1.3).all()  # at its edges
+
+
 def test_two_holes_six_metres_apart_are_two_findings() -> None:
     """Also for those who jump into them from the ground between."""
     one, other = (-7, -2, -3, 2), (3, -2, 7, 2)
