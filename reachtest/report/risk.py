@@ -102,7 +102,13 @@ def recent_sentence(report: Report) -> str:
 def _longer(report: Report) -> str:
     longer = report.document["risk"]["ten_times_longer"]
     if longer is None:
-        return "new ground still opens up, so it is too early to tell what a longer run would see"
+        missing = bool((report.exploration.goal_step < 0).any())
+        why = (
+            "what lies behind goals that are still open is in no count"
+            if missing
+            else "new ground still opens up"
+        )
+        return f"{why}, so it is too early to tell what a longer run would see"
     low, high = longer["positions_low"], longer["positions_high"]
     return f"ten times the steps are likely to see {low:,.0f} to {high:,.0f} places"
 
