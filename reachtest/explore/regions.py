@@ -32,7 +32,7 @@ class Region:
     """Places without a known way out."""
 
     rows: Ints  # [n] rows of the graph
-    core: Ints  # [m] those of them where one ends up
+    core: Ints  # [m] those of them where one is held
     stuck: bool
 
 
@@ -75,7 +75,9 @@ class TrapFinder:
         lost = lost[~self._on_home_islands(graph, lost)] if len(lost) else lost
         ends = np.zeros(len(back), dtype=np.bool_)
         ends[trapped] = np.isin(label, _sinks(graph, trapped, label))
-        regions = [Region(rows, rows[ends[rows]], True) for rows in _near_each_other(graph, tight)]
+        part = np.full(len(back), -1, dtype=np.int64)
+        part[trapped] = label
+        regions = [Region(rows, _held(rows, ends, part), True) for rows in _near_each_other(graph, tight)]
         regions += [Region(rows, rows[wide[rows]], False) for rows in _connected(graph, lost)]
         regions = [region for region in regions if suspected[region.rows].any()]
         regions.sort(key=lambda region: (-len(region.rows), int(region.rows[0])))
@@ -105,6 +107,17 @@ def _on_the_floor(level: Level, spawns: Floats) -> Floats:
     floors = spawns.copy()
     floors[:, 2] = np.where(np.isfinite(floor), floor, spawns[:, 2])
     return floors
+
+
+def _held(rows: Ints, ends: Bools, part: Ints) -> Ints:
+    """Of a tight trap's `rows` [n] those where one ends up, and those between which one goes to and fro: whoever was
+    jammed in a pit once ended up there, and yet it is the pit that holds.
+
+    `ends` [N], and by which `part` [N] places lead to each other.
+    """
+    parts, sizes = np.unique(part[rows], return_counts=True)
+    largest = parts[sizes.argmax()] if sizes.max() > 1 else -1
+    return np.asarray(rows[ends[rows] | (part[rows] == largest)], dtype=np.int64)
 
 
 def _connected(graph: Graph, rows: Ints) -> list[Ints]:
