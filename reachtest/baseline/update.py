@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
+from textwrap import indent
 
 from reachtest.baseline.document import Document, Entry, dump, items, parse
 from reachtest.baseline.gone import new_ones
@@ -125,10 +127,14 @@ def _gone(entries: Sequence[Entry], result: Result, today: date) -> tuple[Entry,
     return tuple(entry for entry in entries if entry in fixed or not entry.in_force(today))
 
 
+_FIRST = re.compile(r"^( *)- ", re.MULTILINE)  # entry: its fellows stand below it
+
+
 def _with(text: str, document: Document, kept: tuple[Entry, ...], added: tuple[Entry, ...]) -> str:
     """The new text: what stands there with the new entries below, if that is what it then says."""
     if document.entries and kept == document.entries:
-        longer = text.rstrip("\n") + "\n" + items(added)
+        first = _FIRST.search(text)
+        longer = text.rstrip("\n") + "\n" + indent(items(added), first[1] if first else "")
         try:
             if parse(longer, "").entries == kept + added:
                 return longer

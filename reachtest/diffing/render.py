@@ -109,7 +109,8 @@ def _found(finding: FoundBefore) -> str:
 
 def _place(area: Area, difference: Difference) -> str:
     where = ", ".join(f"{value:.2f}" for value in _source(area.position, difference))
-    sides = " x ".join(f"{side:.0f}" for side in (area.high - area.low).tolist())
+    box = np.abs(np.subtract(_source(area.high, difference), _source(area.low, difference)))
+    sides = " x ".join(f"{side * _unit_m(difference):.0f}" for side in box.tolist())
     counted = (("goal", area.goals), ("place", area.cells))
     mesh = "on the nav-mesh" if area.on_navmesh else "off the nav-mesh"
     counts = [f"{count:,} {noun}{'s' * (count != 1)}" for noun, count in counted if count]
@@ -124,6 +125,10 @@ def _some(rows: list[str]) -> Iterable[str]:
 def _source(position: Floats, difference: Difference) -> list[float]:
     matrix = np.array(difference.new.report.config.frame.matrix)
     return [value + 0.0 for value in np.linalg.solve(matrix, position).round(3).tolist()]
+
+
+def _unit_m(difference: Difference) -> float:
+    return float(np.linalg.norm(difference.new.report.config.frame.matrix[0]))
 
 
 def _run(result: Result) -> dict[str, Any]:

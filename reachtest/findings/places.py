@@ -13,8 +13,7 @@ _MOST = 4  # of the places that one line names
 
 def say_place(level: Level, position: Floats) -> str:
     """ "(1.25, 0, -3.5)" of a position [3] [m]: to a centimetre, or to the unit where that is smaller."""
-    metres_a_unit = float(np.linalg.norm(level.frame.matrix[:, 0]))
-    digits = max(0, int(np.ceil(np.log10(metres_a_unit / 0.01) - 1e-9)))
+    digits = max(0, int(np.ceil(np.log10(level.frame.unit_m / 0.01) - 1e-9)))
     values = level.frame.to_source(position).round(digits) + 0.0  # + 0.0: no "-0"
     return "(" + ", ".join(np.format_float_positional(value, trim="-") for value in values.tolist()) + ")"
 

@@ -54,7 +54,7 @@ def _size(level: Level) -> list[Problem]:
 
 
 def _likely_unit(level: Level, largest: float) -> str:
-    now = float(np.linalg.norm(level.frame.matrix[:, 0]))
+    now = level.frame.unit_m
     sizes = {unit: largest / now * length for unit, length in UNITS.items() if abs(length / now - 1) > 1e-6}
     unit = min(sizes, key=lambda name: abs(np.log(sizes[name] / USUAL_M)))
     if not 5 <= sizes[unit] <= 5000:

@@ -57,7 +57,7 @@ def slips(level: Level) -> list[Slip]:
     turned = Slip(upright if other == "y" else upright.T, (f"{other} up",), (f"navmesh.up_axis: {other}",))
     flip = str(np.linalg.det(frame.matrix) > 0).lower()
     mirrored = Slip(np.diag([-1.0, 1.0, 1.0]), ("mirrored x",), (f"navmesh.flip_x: {flip}",))
-    scaled = [_scaled(float(np.linalg.norm(frame.matrix[:, 0])), factor, scale) for factor in UNIT_SLIPS]
+    scaled = [_scaled(frame.unit_m, factor, scale) for factor in UNIT_SLIPS]
     swap, own = np.eye(3)[[0, 2, 1]], np.array(UP_AXES[frame.up_axis], dtype=np.float64)
     exchanged = [
         Slip(matrix, ("y and z exchanged without a change of sign",), (), (EXCHANGE_SIGN,))

@@ -61,10 +61,6 @@ class Cylinder(Spec):
     height: Length = Field(description="Full height along the up axis, in the frame's units.")
 
 
-def _unit(frame: Frame) -> float:
-    return float(np.linalg.norm(frame.matrix[:, 0]))
-
-
 def build_box(spec: Box, frame: Frame) -> Floats:
     """Triangles [12, 3, 3] of a box."""
     low, high = spec.level_box(frame)
@@ -84,9 +80,9 @@ def build_ramp(spec: Ramp, frame: Frame) -> Floats:
     length = float(np.linalg.norm(across))
     if length < 1e-6:
         raise ValueError("'from' and 'to' lie above each other: a ramp needs a horizontal distance")
-    across *= spec.width * _unit(frame) / 2 / length
+    across *= spec.width * frame.unit_m / 2 / length
     down = np.cross(across, along)
-    down *= spec.thickness * _unit(frame) / np.linalg.norm(down)
+    down *= spec.thickness * frame.unit_m / np.linalg.norm(down)
     if down[2] > 0:
         down = -down
     # Local axes: x along, y to the left, z up; right-handed, so that the corner order holds.
@@ -101,7 +97,7 @@ def build_ramp(spec: Ramp, frame: Frame) -> Floats:
 
 def build_cylinder(spec: Cylinder, frame: Frame) -> Floats:
     """Triangles [4 * sides, 3, 3] of an upright cylinder, its corners on the radius."""
-    center, unit = frame.to_level(np.array(spec.center)), _unit(frame)
+    center, unit = frame.to_level(np.array(spec.center)), frame.unit_m
     angle = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1) * spec.radius * unit
     half = np.array([0.0, 0.0, spec.height * unit / 2])

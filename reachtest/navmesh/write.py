@@ -33,17 +33,12 @@ def write_navmesh(navmesh: NavMesh, frame: Frame, path: Path) -> None:
 
 
 def _agent_lines(agent: NavAgent, frame: Frame) -> str:
-    unit_m = _unit_m(frame)
+    unit_m = frame.unit_m
     lengths = {"rd_agr": agent.radius_m, "rd_agh": agent.height_m, "rd_amc": agent.climb_m}
     numbers = {key: None if length is None else length / unit_m for key, length in lengths.items()}
     numbers["rd_ams"] = agent.slope_deg
     return "".join(f"{key} {number:.9g}\n" for key, number in numbers.items() if number is not None)
 
 
-def _unit_m(frame: Frame) -> float:
-    """Length of one of the level's units [m]."""
-    return float(np.linalg.norm(frame.matrix[:, 0]))
-
-
 def _y_up(points: Floats, frame: Frame) -> Floats:
-    return np.asarray(points[:, [0, 2, 1]] * [1.0, 1.0, -1.0] / _unit_m(frame))
+    return np.asarray(points[:, [0, 2, 1]] * [1.0, 1.0, -1.0] / frame.unit_m)

@@ -27,6 +27,15 @@ class Frame:
     up_axis: str
     units: str
 
+    @property
+    def unit_m(self) -> float:
+        """Metres a unit."""
+        return float(np.linalg.norm(self.matrix[:, 0]))
+
+    def size_m(self, low: Floats, high: Floats) -> Floats:
+        """The sides [3] [m] of a box from `low` [3] to `high` [3], along the source's axes."""
+        return np.asarray(np.abs(self.to_source(high) - self.to_source(low)) * self.unit_m, dtype=np.float64)
+
     def to_level(self, points: Floats) -> Floats:
         """Source coordinates [..., 3] to level coordinates [..., 3] [m]."""
         return np.asarray(points, dtype=np.float64) @ self.matrix.T

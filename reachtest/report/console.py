@@ -83,7 +83,7 @@ def _gating(number: int, finding: Finding, level: Level, width: int) -> list[tup
     rows = [("where", wording.place(level, finding.position) + near)]
     if left_at := wording.exit_place(level, finding):
         rows.append(("left at", f"{left_at}  (last place on the nav-mesh)"))
-    rows.append(("how bad", f"{finding.severity}, {wording.extent(finding)}"))
+    rows.append(("how bad", f"{finding.severity}, {wording.extent(finding, level)}"))
     rows.append(("see it", wording.evidence(finding)))
     lines = [("", "")]
     lines += [(line, "bold") for line in textwrap.wrap(title, width, subsequent_indent="   ")]

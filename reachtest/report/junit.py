@@ -66,7 +66,7 @@ def _finding_case(suite: ET.Element, suite_name: str, finding: Finding, level: L
     lines = [
         title,
         f"where:   {wording.place(level, finding.position)} ({wording.axes(level)}) {near}".rstrip(),
-        f"how bad: {finding.severity}, {wording.extent(finding)}",
+        f"how bad: {finding.severity}, {wording.extent(finding, level)}",
         f"see it:  {wording.evidence(finding)}",
     ]
     if left_at := wording.exit_place(level, finding):

@@ -107,7 +107,7 @@ def _gating_row(number: int, finding: Finding, level: Level) -> list[str]:
     where = _where(finding, level)
     if left_at := wording.exit_place(level, finding):
         where += f"<br>left the nav-mesh at `{left_at}`"
-    return [str(number), _what(finding), where, wording.extent(finding), _see(finding)]
+    return [str(number), _what(finding), where, wording.extent(finding, level), _see(finding)]
 
 
 def _see(finding: Finding) -> str:

@@ -30,8 +30,7 @@ def one_line(text: str) -> str:
 
 def place(level: Level, position: Any) -> str:
     """A position [3] [m] as "x, y, z" in the level file's own axes and units, to 1 cm, ready to paste."""
-    metres_a_unit = float(np.linalg.norm(level.frame.matrix[:, 0]))
-    digits = max(0, math.ceil(math.log10(metres_a_unit / 0.01) - 1e-9))
+    digits = max(0, math.ceil(math.log10(level.frame.unit_m / 0.01) - 1e-9))
     values = level.frame.to_source(position).round(digits) + 0.0  # + 0.0: no "-0"
     return ", ".join(f"{value:.{digits}f}" for value in values.tolist())
 
@@ -68,13 +67,13 @@ def known(findings: Iterable[Finding]) -> list[Finding]:
     return [finding for finding in findings if finding.suppressed_by is not None]
 
 
-def extent(finding: Finding) -> str:
-    """How big it is: number of points and the size of the box around them."""
+def extent(finding: Finding, level: Level) -> str:
+    """How big it is: number of points and the size of the box around them, along the file's axes."""
     if finding.points == 1:
         return plural(1, "point")
     if (finding.high - finding.low).max() < ONE_PLACE_M:
         return f"{plural(finding.points, 'point')}, stood at one place"
-    sides = " x ".join(f"{side:.1f}" for side in (finding.high - finding.low).tolist())
+    sides = " x ".join(f"{side:.1f}" for side in level.frame.size_m(finding.low, finding.high).tolist())
     return f"{plural(finding.points, 'point')} over {sides} m"
 
 
@@ -137,15 +136,15 @@ def missed_ground(report: Report) -> list[str] | None:
     if audit is None:
         return None
     return [
-        f"{place(report.level, np.array(entry['position']))}: {_audited(entry)}"
+        f"{place(report.level, np.array(entry['position']))}: {_audited(report.level, entry)}"
         + (f", near {one_line(entry['nearest_named'])}" if entry["nearest_named"] else "")
         for entry in audit
     ]
 
 
-def _audited(entry: dict[str, Any]) -> str:
+def _audited(level: Level, entry: dict[str, Any]) -> str:
     low, high = (np.array(corner) for corner in entry["bounds"])
-    sides = " x ".join(f"{side:.1f}" for side in (high - low).tolist())
+    sides = " x ".join(f"{side:.1f}" for side in level.frame.size_m(low, high).tolist())
     return plural(entry["points"], "point") + (f" over {sides} m" if entry["points"] > 1 else "")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
+from textwrap import indent
 
 import numpy as np
 import pytest
@@ -43,10 +44,13 @@ def test_gating_findings_are_written_and_then_known(tmp_path) -> None:
     assert not update_baseline(file, run, NOTE).added
 
 
-def test_what_stands_there_stays_byte_for_byte(tmp_path) -> None:
+@pytest.mark.parametrize("margin", ["", "  "])
+def test_what_stands_there_stays_byte_for_byte(tmp_path, margin: str) -> None:
     file = tmp_path / "known.yaml"
     update_baseline(file, result(tmp_path / "one", make_finding()), NOTE)
-    before = file.read_text().replace("- id", "# asked Mia, 3 May\n- id")
+    head, entries = file.read_text().split("entries:\n")
+    entries = indent(entries.replace("- id", "# asked Mia, 3 May\n- id"), margin)
+    before = f"{head}entries:\n{entries}"
     file.write_text(before)
     update_baseline(file, result(tmp_path / "two", make_finding(), ELSEWHERE), replace(NOTE, reason="other"))
     assert file.read_text().startswith(before)

@@ -87,7 +87,7 @@ def test_audit_is_a_section_only_where_it_was_asked_for() -> None:
         "nearest_named": "crate",
     }
     for listed, words in (
-        ([entry], "100, 300, -200: 7 points over 2.0 x 4.0 x 0.0 m, near crate"),
+        ([entry], "100, 300, -200: 7 points over 2.0 x 0.0 x 4.0 m, near crate"),
         ([], "(0)"),
     ):
         asked = dataclasses.replace(report, document=report.document | {"audit": listed})

@@ -42,7 +42,7 @@ def test_what_fails_the_build_comes_first_with_all_that_is_needed() -> None:
         "`1200, 520, -100`",  # (12, 1, 5.2) in cm, y up
         "near roof\\_west",
         "left the nav-mesh at `400, 0, -200`",
-        "41 points over 8.0 x 3.2 x 1.1 m",
+        "41 points over 8.0 x 1.1 x 3.2 m",
         "9.6 s from the spawn, reproduced 5 of 5",
         "run.mcap",
     ):
