@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.starts import BY_STOREY, STRAIGHT, Starts
+from reachtest.explore.directed.turns import in_turns
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
 from reachtest.records import Bools, Candidates, Floats, Ints
@@ -118,13 +119,7 @@ class Aims:
         at_border = self._gap_m[goals] <= np.maximum(nearest[part], BORDER_M)
         tries = np.where(at_border, self.attempts[goals] + rng.random(len(goals)), np.inf)
         total = np.bincount(part, weights=self.attempts[goals]) + rng.random(len(nearest))
-        chosen = np.empty(lanes, dtype=np.int64)
-        for lane in range(lanes):
-            where = int(total.argmin())
-            chosen[lane] = pick = int(np.where(part == where, tries, np.inf).argmin())
-            tries[pick] += 1
-            total[where] += 1
-        return chosen
+        return in_turns(tries, part, total, lanes)
 
 
 def _parts(places: Floats, link_m: float) -> Ints:

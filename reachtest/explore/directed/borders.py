@@ -108,7 +108,8 @@ class Borders:
         tries, chance = self._tried[rows], 1e-6 * rng.random(len(rows))
         rank = tries + (1.0 - 1.0 / (1.0 + pushes)) + chance
         if kind == GAP:
-            return rows[in_turns(tries, rank, self._target[rows], lanes)]
+            _, target = np.unique(self._target[rows], return_inverse=True)
+            return rows[in_turns(rank, target, np.bincount(target, weights=tries), lanes)]
         return rows[least_tried(rank, lanes)]
 
     def _look_at_new(self, positions: Floats, candidates: Candidates) -> None:

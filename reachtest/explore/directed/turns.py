@@ -16,18 +16,17 @@ def least_tried(tries: Floats, lanes: int) -> Ints:
     return np.resize(least[np.argsort(tries[least])], lanes)
 
 
-def in_turns(tries: Ints, rank: Floats, target: Ints, lanes: int) -> Ints:
+def in_turns(rank: Floats, target: Ints, tries: Floats | Ints, lanes: int) -> Ints:
     """The rows for `lanes` lanes: one of the target that was tried least, of its rows the one with the lowest `rank`.
 
     A row comes over again where its target has few: a step of a pillar may have thirty gaps around it, the roof beyond
-    it two. `target` [n] and `tries` [n] are by row.
+    it two. `rank` and `target` [n] are by row, `tries` [m] by target.
     """
-    _, of = np.unique(target, return_inverse=True)
-    rank, total = rank.copy(), np.bincount(of, weights=tries)
+    rank, tries = rank.copy(), tries.copy()
     chosen = np.empty(lanes, dtype=np.int64)
     for lane in range(lanes):
-        where = int(total.argmin())
-        chosen[lane] = row = int(np.where(of == where, rank, np.inf).argmin())
+        where = int(tries.argmin())
+        chosen[lane] = row = int(np.where(target == where, rank, np.inf).argmin())
         rank[row] += 1
-        total[where] += 1
+        tries[where] += 1
     return chosen

@@ -212,9 +212,8 @@ def test_every_place_is_tried_before_one_is_tried_again() -> None:
 
 
 def test_the_target_that_was_tried_least_gets_the_lanes_however_few_gaps_lead_to_it() -> None:
-    target = np.repeat([7, 3], [30, 2])
-    tries = np.where(target == 7, 1, 0)
-    rows = in_turns(tries, tries.astype(float), target, 40)
+    target = np.repeat([0, 1], [30, 2])
+    rows = in_turns(np.where(target == 0, 1.0, 0.0), target, np.array([30.0, 0.0]), 40)
     assert np.bincount(rows, minlength=32)[30:].tolist() == [18, 17]  # 35 = 5 + 30: both have had as many
     assert len(np.unique(rows[rows < 30])) == 5  # each once before one is tried again
 
