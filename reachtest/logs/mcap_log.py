@@ -130,6 +130,8 @@ def _alone(part: Path) -> BinaryIO:
             raise BadInput(
                 [Problem(f"{part.parent}", found, "give each run a folder of its own with --out")]
             ) from error
+        except OSError:  # some network drives know no locks
+            pass
     stream.truncate(0)
     return stream
 
