@@ -8,7 +8,7 @@ import numpy as np
 
 from reachtest.columns import ColumnIndex
 from reachtest.errors import Problem
-from reachtest.geometry import triangle_normals
+from reachtest.geometry import body_inside, triangle_normals
 from reachtest.levels.check_navmesh import check_navmesh
 from reachtest.levels.check_spawns import check_spawns
 from reachtest.levels.frames import UNITS
@@ -79,6 +79,10 @@ def _places(level: Level) -> list[Problem]:
     problems = []
     remedy = "check the position, or bounds_m and kill_z_m"
     for index, place in enumerate(level.required):
+        for solid in level.solids:
+            if body_inside(place.position[None], level.character, solid.triangles)[0]:
+                where, found = f"{level.file.name}: required[{index}]", f"{place.name!r} lies inside of solid"
+                problems.append(Problem(where, f"{found} {solid.name!r}", "check the position"))
         if (
             (place.position < low).any()
             or (place.position > high).any()

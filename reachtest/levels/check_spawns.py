@@ -46,6 +46,12 @@ def _complaints(level: Level, index: ColumnIndex, normals: Floats, spawn: Spawn)
     if inside:
         yield f"is inside of the solid {inside[0]!r}", "move the spawn out of it"
         return
+    for zone in level.zones:
+        if zone.kind == "forbidden" and zone.holds(feet[None])[0]:
+            yield (
+                f"is in the forbidden zone {zone.name!r}, so that every run fails",
+                "move the spawn or the zone",
+            )
     yield from _footing(level, index, normals, feet)
 
 

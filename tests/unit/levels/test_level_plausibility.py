@@ -244,3 +244,18 @@ def test_a_character_too_fast_for_the_physics_is_refused_with_the_rate_it_needs(
     assert caught.value.problems[0].where == "level.yaml: explore.physics_hz"
     path = write_level(character={"preset": "unreal", "walk_speed_mps": 20}, explore={"physics_hz": 60})
     assert load_level(path).character.walk_speed_mps == 20
+
+
+def test_a_spawn_in_a_forbidden_zone_fails_every_run(write_level: WriteLevel) -> None:
+    zone = {"name": "vault", "kind": "forbidden", "box": {"center": [0, 0, 1], "size": [4, 4, 2]}}
+    _, found, _ = only_problem(write_level(geometry=[FLOOR], spawns=[[0, 0, 0]], zones=[zone]))
+    assert "is in the forbidden zone 'vault', so that every run fails" in found
+    load_level(write_level(geometry=[FLOOR], spawns=[[0, 0, 0]], zones=[zone | {"kind": "allowed_off_mesh"}]))
+
+
+def test_a_required_point_in_a_solid_is_doubtful(write_level: WriteLevel) -> None:
+    crate = {"name": "crate", "role": "both", "box": {"center": [4, 0, 1], "size": [2, 2, 2]}}
+    flag = {"name": "flag", "position": [4, 0, 0.2]}
+    path = write_level(geometry=[FLOOR, crate], spawns=[[0, 0, 0]], required=[flag])
+    warnings = [str(warning) for warning in check_level(load_level(path)).warnings]
+    assert any("required[0]" in w and "'flag' lies inside of solid 'crate'" in w for w in warnings)
