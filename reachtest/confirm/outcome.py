@@ -11,8 +11,9 @@ from scipy.spatial import cKDTree
 from reachtest.confirm.pursuit import Route
 from reachtest.confirm.shortcut import over_navmesh
 from reachtest.confirm.trials import Trial
-from reachtest.geometry import at_rest, body_inside
+from reachtest.geometry import at_rest
 from reachtest.interfaces import Surface
+from reachtest.offlimits import SOLID, ZONE, off_limits
 from reachtest.records import Bools, Finding, Floats, Level
 
 SAME_PLACE_M = 4.0  # of the last footing or the exit of a fall: a hole has a width, and one jumps into it
@@ -54,8 +55,7 @@ class Judge:
     def __init__(self, level: Level, surface: Surface) -> None:
         """`surface` tells expected from unexpected positions."""
         self._level, self._surface = level, surface
-        self._solids = {solid.name: solid for solid in level.solids}
-        self._zones = {zone.name: zone for zone in level.zones if zone.kind == "forbidden"}
+        self._holds = {(one.kind, one.name): one.holds for one in off_limits(level)}
 
     def over_navmesh(self, trial: Trial) -> Route | None:
         """The short way over the nav-mesh to where a trial left it for good; None if there is none."""
@@ -64,7 +64,7 @@ class Judge:
 
     def outcome_of(self, finding: Finding) -> Outcome:
         """What would show `finding` again."""
-        target = finding.target if finding.kind in ("inside_solid", "forbidden_zone") else None
+        target = finding.target if finding.kind in (SOLID, ZONE) else None
         low, high, exit_point = finding.low, finding.high, finding.exit_point
         standing, reach_m = finding.standing, finding.reach_m
         return Outcome(finding.kind, target, finding.position, low, high, exit_point, standing, reach_m)
@@ -82,10 +82,9 @@ class Judge:
 
     def _shows(self, outcome: Outcome, trial: Trial, since: int) -> Bools:
         positions = trial.positions[since:]
-        if outcome.kind == "inside_solid":
-            return self._in_solid(outcome.target, positions)
-        if outcome.kind == "forbidden_zone":
-            return self._in_zone(outcome.target, positions)
+        if outcome.kind in (SOLID, ZONE):
+            holds = self._holds.get((outcome.kind, outcome.target or ""))
+            return np.zeros(len(positions), dtype=np.bool_) if holds is None else holds(positions)
         if outcome.standing is not None:
             return _in_pocket(outcome, trial)[since:]
         stood = trial.stood[since:]
@@ -111,16 +110,6 @@ class Judge:
             if len(expected):
                 return np.asarray(some[expected[-1]], dtype=np.float64)
         return None
-
-    def _in_solid(self, name: str | None, positions: Floats) -> Bools:
-        if name not in self._solids:
-            return np.zeros(len(positions), dtype=np.bool_)
-        return body_inside(positions, self._level.character, self._solids[name].triangles)
-
-    def _in_zone(self, name: str | None, positions: Floats) -> Bools:
-        if name not in self._zones:
-            return np.zeros(len(positions), dtype=np.bool_)
-        return self._zones[name].holds(positions)
 
 
 def _in_pocket(outcome: Outcome, trial: Trial) -> Bools:

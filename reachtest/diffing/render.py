@@ -11,7 +11,7 @@ import numpy as np
 
 from reachtest.diffing.areas import Area
 from reachtest.diffing.compare import Difference
-from reachtest.records import Floats
+from reachtest.records import Floats, Frame
 from reachtest.results import FoundBefore, Result
 
 MOST = 20  # of a list, for people
@@ -109,8 +109,7 @@ def _found(finding: FoundBefore) -> str:
 
 def _place(area: Area, difference: Difference) -> str:
     where = ", ".join(f"{value:.2f}" for value in _source(area.position, difference))
-    box = np.abs(np.subtract(_source(area.high, difference), _source(area.low, difference)))
-    sides = " x ".join(f"{side * _unit_m(difference):.0f}" for side in box.tolist())
+    sides = " x ".join(f"{side:.0f}" for side in _frame(difference).size_m(area.low, area.high).tolist())
     counted = (("goal", area.goals), ("place", area.cells))
     mesh = "on the nav-mesh" if area.on_navmesh else "off the nav-mesh"
     counts = [f"{count:,} {noun}{'s' * (count != 1)}" for noun, count in counted if count]
@@ -123,12 +122,11 @@ def _some(rows: list[str]) -> Iterable[str]:
 
 
 def _source(position: Floats, difference: Difference) -> list[float]:
-    matrix = np.array(difference.new.report.config.frame.matrix)
-    return [value + 0.0 for value in np.linalg.solve(matrix, position).round(3).tolist()]
+    return [value + 0.0 for value in _frame(difference).to_source(position).round(3).tolist()]
 
 
-def _unit_m(difference: Difference) -> float:
-    return float(np.linalg.norm(difference.new.report.config.frame.matrix[0]))
+def _frame(difference: Difference) -> Frame:
+    return Frame(np.array(difference.new.report.config.frame.matrix), "", "")
 
 
 def _run(result: Result) -> dict[str, Any]:

@@ -5,13 +5,11 @@ Shape legend: T agent steps of a round, B lanes, M starts a lane, n positions, k
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from reachtest.explore.rollout import Trajectories
-from reachtest.geometry import body_inside
-from reachtest.records import Bools, Character, Fall, Floats, Ints, Level, Origin, Solid
+from reachtest.offlimits import off_limits
+from reachtest.records import Bools, Fall, Ints, Level, Origin
 
 _NO_EXIT = np.full(3, np.nan)
 
@@ -21,34 +19,24 @@ class Trespasses:
 
     def __init__(self, level: Level) -> None:
         self.found: dict[tuple[str, str], Fall] = {}
-        zones = [zone for zone in level.zones if zone.kind == "forbidden"]
-        keys = [("inside_solid", solid.name) for solid in level.solids]
-        self._keys = keys + [("forbidden_zone", zone.name) for zone in zones]
-        boxes = [_box(solid, level.character) for solid in level.solids] + [zone.box for zone in zones]
-        ends = np.array(boxes).reshape(-1, 2, 3)
-        self._low, self._high = ends[:, 0], ends[:, 1]
-        inside = [_of_solid(solid, level.character) for solid in level.solids]
-        self._inside = inside + [zone.holds for zone in zones]
-        self._open = np.arange(len(self._keys))  # where nobody was seen yet
+        self._open = off_limits(level)  # where nobody was seen yet
 
     def note(self, rolled: Trajectories, parents: Ints, round_: int) -> None:
         """Look at a round's positions; `parents` [M, B] are what its lanes started from."""
-        if not len(self._open):
+        if not self._open:
             return
         positions = rolled.positions
         low = np.where(np.isnan(positions), np.inf, positions).min(axis=0)
         high = np.where(np.isnan(positions), -np.inf, positions).max(axis=0)
-        near = (low[:, None] <= self._high[self._open]) & (high[:, None] >= self._low[self._open])
-        came_by: Bools = near.all(axis=2)  # [B, k]
+        lows, highs = np.array([one.low for one in self._open]), np.array([one.high for one in self._open])
+        came_by: Bools = ((low[:, None] <= highs) & (high[:, None] >= lows)).all(axis=2)  # [B, k]
         for column in np.flatnonzero(came_by.any(axis=0)).tolist():
-            number, lanes = int(self._open[column]), np.flatnonzero(came_by[:, column])
-            some = positions[:, lanes]
-            step, lane = np.divmod(np.flatnonzero(self._inside[number](some.reshape(-1, 3))), len(lanes))
-            if len(step):
-                self.found[self._keys[number]] = _seen(
-                    rolled, parents, round_, int(step[0]), int(lanes[lane[0]])
-                )
-        self._open = self._open[[self._keys[number] not in self.found for number in self._open.tolist()]]
+            one, lanes = self._open[column], np.flatnonzero(came_by[:, column])
+            inside = np.flatnonzero(one.holds(positions[:, lanes].reshape(-1, 3)))
+            if len(inside):
+                step, lane = divmod(int(inside[0]), len(lanes))
+                self.found[one.kind, one.name] = _seen(rolled, parents, round_, step, int(lanes[lane]))
+        self._open = tuple(one for one in self._open if (one.kind, one.name) not in self.found)
 
 
 def _seen(rolled: Trajectories, parents: Ints, round_: int, step: int, lane: int) -> Fall:
@@ -56,13 +44,3 @@ def _seen(rolled: Trajectories, parents: Ints, round_: int, step: int, lane: int
     origin = Origin(parent, round_, lane, int(rolled.start[step, lane]), step + 1)
     place = rolled.positions[step, lane]
     return Fall(origin, place, place, _NO_EXIT)
-
-
-def _box(solid: Solid, who: Character) -> tuple[Floats, Floats]:
-    """Where the feet [3] to [3] of somebody in a solid may be."""
-    low, high = solid.triangles.min(axis=(0, 1)), solid.triangles.max(axis=(0, 1))
-    return low - [0, 0, who.height_m / 2], high - [0, 0, who.radius_m]
-
-
-def _of_solid(solid: Solid, who: Character) -> Callable[[Floats], Bools]:
-    return lambda feet: body_inside(feet, who, solid.triangles)

@@ -25,7 +25,7 @@ def missed_ground(evidence: Evidence) -> list[dict[str, Any]]:
     radius and a cell to the side, or than a climb up or down, and not at a link's end or in an allowed zone.
     """
     level, points = evidence.level, evidence.exploration.points
-    allowed = evidence.in_any_zone("allowed_off_mesh")
+    allowed = evidence.allowed
     standing = points.positions[points.grounded & points.expected & ~allowed]
     missed = standing[~floats_over(level.navmesh, level.character, standing)]
     groups = sorted(single_linkage(missed, _LINK_M), key=len, reverse=True)

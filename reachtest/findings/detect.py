@@ -19,29 +19,30 @@ from reachtest.findings.mismatch import navmesh_mismatch
 from reachtest.findings.stuck import no_returns, stuck_places
 from reachtest.interfaces import Replayer, Teller
 from reachtest.navmesh.survey import Survey
-from reachtest.records import Bools, Exploration, Finding, Ints, Level
+from reachtest.offlimits import SOLID, ZONE
+from reachtest.records import Exploration, Finding, Ints, Level
 
 NO_POINTS: Ints = np.empty(0, dtype=np.int64)
 
 
 def inside_solids(evidence: Evidence) -> list[Cluster]:
     """Who got into a solid: one bug for each of them."""
-    names = [solid.name for solid in evidence.level.solids]
-    return _by_name(evidence, "inside_solid", list(zip(names, evidence.in_solids, strict=True)))
+    return _trespasses(evidence, SOLID)
 
 
 def forbidden_zones(evidence: Evidence) -> list[Cluster]:
     """Who got into a forbidden zone: one bug for each of them."""
-    zones = evidence.in_zones("forbidden")
-    return _by_name(evidence, "forbidden_zone", [(zone.name, inside) for zone, inside in zones])
+    return _trespasses(evidence, ZONE)
 
 
-def _by_name(evidence: Evidence, kind: str, inside: list[tuple[str, Bools]]) -> list[Cluster]:
-    """A cluster for everything that somebody was seen in: cached, or between cached points."""
+def _trespasses(evidence: Evidence, kind: str) -> list[Cluster]:
+    """A cluster for everything off limits that somebody was seen in: cached, or between cached points."""
     positions, between = evidence.exploration.points.positions, evidence.exploration.trespasses
     result = []
-    for name, some in inside:
-        points = np.flatnonzero(some)
+    for (this, name), inside in evidence.off_limits.items():
+        if this != kind:
+            continue
+        points = np.flatnonzero(inside)
         if len(points):
             result.append(Cluster(kind, name, points, (), positions[points]))
         elif (fall := between.get((kind, name))) is not None:

@@ -32,8 +32,8 @@ def escapes(evidence: Evidence) -> list[Cluster]:
     stood or fallen.
     """
     points, falls = evidence.exploration.points, evidence.exploration.falls
-    off_mesh = ~points.expected & ~evidence.in_any(evidence.in_solids) & ~evidence.in_any_zone("forbidden")
-    chosen = np.flatnonzero(off_mesh & ~evidence.in_any_zone("allowed_off_mesh"))
+    bug_of_its_own = np.logical_or.reduce([evidence.allowed, *evidence.off_limits.values()])
+    chosen = np.flatnonzero(~points.expected & ~bug_of_its_own)
     exits = _anchors(points.exit_point[chosen], points.positions[chosen])
     footings = np.array([fall.footing for fall in falls]).reshape(-1, 3)
     left = _anchors(np.array([fall.exit_point for fall in falls]).reshape(-1, 3), footings)

@@ -5,17 +5,16 @@ Shape legend: P cached points, n chosen ones.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import rtree
 
-from reachtest.geometry import body_inside
 from reachtest.interfaces import Replayer
 from reachtest.navmesh.survey import Survey
-from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin, Zone
+from reachtest.offlimits import off_limits
+from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin
 
 _SAME_M = 1e-3  # parts as near as this are equally near
 
@@ -52,26 +51,17 @@ class Evidence:
         )
 
     @cached_property
-    def in_solids(self) -> tuple[Bools, ...]:
-        """By solid of the level: the points [P] whose character is in it. They may be in several."""
-        who, positions = self.level.character, self.exploration.points.positions
-        return tuple(body_inside(positions, who, solid.triangles) for solid in self.level.solids)
-
-    def in_zones(self, kind: str) -> tuple[tuple[Zone, Bools], ...]:
-        """By zone of `kind`: the points [P] in it. They may be in several."""
+    def off_limits(self) -> dict[tuple[str, str], Bools]:
+        """The points [P] that are in each solid and forbidden zone, by kind of finding and name."""
         positions = self.exploration.points.positions
-        return tuple((zone, zone.holds(positions)) for zone in self.level.zones if zone.kind == kind)
+        return {(one.kind, one.name): one.holds(positions) for one in off_limits(self.level)}
 
-    def in_any_zone(self, kind: str) -> Bools:
-        """The points [P] in a zone of `kind`."""
-        return self.in_any([inside for _, inside in self.in_zones(kind)])
-
-    def in_any(self, inside: Sequence[Bools]) -> Bools:
-        """The points [P] that are in one of several."""
-        result = np.zeros(len(self.exploration.points), dtype=np.bool_)
-        for some in inside:
-            result |= some
-        return result
+    @cached_property
+    def allowed(self) -> Bools:
+        """The points [P] in zones where one may be off the nav-mesh."""
+        positions = self.exploration.points.positions
+        zones = [zone.holds(positions) for zone in self.level.zones if zone.kind == "allowed_off_mesh"]
+        return np.logical_or.reduce([np.zeros(len(positions), dtype=np.bool_), *zones])
 
     def seen_step(self, origin: Origin) -> int:
         """The agent step of the run at which something of `origin` was seen first."""

@@ -134,7 +134,7 @@ class _Builder:
         label = item.name or (f"{item.shape} {index}" if item.shape != "mesh" else Path(str(item.mesh)).stem)
         for piece in pieces:
             used = piece.triangles.reshape(-1, 3)
-            name = label if len(pieces) == 1 and (item.name or item.shape != "mesh") else piece.name
+            name = item.name if item.name and len(pieces) == 1 else piece.name
             self.parts.append(Part(name, used.min(axis=0), used.max(axis=0)))
         if item.role != "solid":
             self.collision += [piece.triangles for piece in pieces]

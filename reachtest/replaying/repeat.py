@@ -83,7 +83,7 @@ def changes(level: Level, state: State) -> list[str]:
         result += [f"{name} is not named any more" for name in before if name not in now]
         result = result or ["a file that one of its files refers to has changed"]
     if kept.level.values is not None and kept.level.sections is not None:  # `explore` is not in the digest
-        result += differences(at_its_step(level, state), kept.level.values, kept.level.sections)
+        result += differences(level, kept.level.values, kept.level.sections)
     if version("mujoco") != kept.mujoco:
         result.append(f"MuJoCo is {version('mujoco')}, it was {kept.mujoco}")
     return result

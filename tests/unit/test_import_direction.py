@@ -26,6 +26,7 @@ SHARED = {
     "reachtest.columns",
     "reachtest.walking",
     "reachtest.geometry",
+    "reachtest.offlimits",
     "reachtest.surface",
 }
 SHARED |= {module for module in MODULES if module.startswith((TOOLBOX, "reachtest.records"))}

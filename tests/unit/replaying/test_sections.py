@@ -33,8 +33,8 @@ def told(now: Level, before: Level = BASE) -> list[str]:
         ({}, []),
         ({"character": replace(BASE.character, radius_m=0.5)}, ["character.radius_m is 0.5, it was 0.34"]),
         (
-            {"explore": replace(BASE.explore, threshold_m=2.0, steps=9)},
-            ["explore.threshold_m is 2.0, it was 1.0"],
+            {"explore": replace(BASE.explore, expected_within_m=2.0, threshold_m=2.0, steps=9)},
+            ["explore.expected_within_m is 2.0, it was 3.0"],
         ),
         ({"kill_z_m": -9.0}, ["kill_z_m is -9.0, it was -50.0"]),
         ({"spawns": (Spawn("start", np.array([1.0, 0, 0.02])),)}, ["spawn 'start' has changed"]),
