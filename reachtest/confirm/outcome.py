@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -41,6 +41,13 @@ class Outcome:
     def within_m(self) -> float:
         """Who is so near to one of `standing` is in the pocket: in a wedge that is not who passes by."""
         return IN_POCKET_M if self.reach_m is None else min(IN_POCKET_M, self.reach_m + LANDING_M)
+
+    def of_same_bug(self) -> Outcome:
+        """Any place of the same bug: who stands off the nav-mesh beside such a place shows that one."""
+        if self.kind != "unexpected_area":
+            return self
+        more = SAME_PLACE_M - SLACK_M
+        return replace(self, low=self.low - more, high=self.high + more)
 
     @cached_property
     def near(self) -> cKDTree:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from reachtest.confirm.along import search_along
 from reachtest.confirm.outcome import ON_MESH_M, Judge
 from reachtest.confirm.shorten import Way, pursuits
 from reachtest.confirm.trials import Lane, Plan, Trial, run_lanes
@@ -17,8 +18,10 @@ from reachtest.records import Level
 
 # As many again for what half the step has not shown, twice from a run-up earlier: where the coarse step turned and
 # jumped in one tick, the half step takes off as much slower, and has to begin before (0 of 66, and 31 of 66 half a
-# second earlier, measured at two ledges). At last from the spawn: fragile is said late.
+# second earlier, measured at two ledges). Then from the spawn, and at last by a search along the way: fragile is said
+# late. Not of pockets: who is on the way through one would do.
 EARLIER_STEPS = (4, 16)
+SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of all: about 3 s each
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
 FINE_LANES = 64
@@ -54,16 +57,22 @@ class Retries:
     ) -> tuple[list[Tries], list[Way]]:
         """The tries of each way, and the way to show: the cut one only if half the step shows it too."""
         finer = self._simulate(_at_half_step(_around(self._level, [*found, *cut])), FINE_LANES)
-        tries = self._attempt(finer, [self._stretch(way) for way in cut], count, as_found=True)
+        loose, loosely_cut = _of_same_bug(found), _of_same_bug(cut)
+        tries = self._attempt(finer, [self._stretch(way) for way in loosely_cut], count, as_found=True)
         shown = [
             way if good else found[row] for row, (way, (_, good)) in enumerate(zip(cut, tries, strict=True))
         ]
         for earlier_by in (*EARLIER_STEPS, None):
-            missing = [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
-            earlier = [self._earlier(found[row], earlier_by) for row in missing]
+            missing = _missing(tries)
+            earlier = [self._earlier(loose[row], earlier_by) for row in missing]
             more = self._attempt(finer, earlier, count, as_found=True)
             for row, (attempts, succeeded) in zip(missing, more, strict=True):
                 tries[row] = (tries[row][0] + attempts, succeeded)
+        searches = int(np.clip(ALL_SEARCHES // max(len(_missing(tries)), 1), 1, SEARCHES))
+        for row in [row for row in _missing(tries) if loose[row].outcome.standing is None]:
+            way = self._earlier(loose[row], EARLIER_STEPS[-1])
+            attempts, succeeded = search_along(way, finer, self._judge, self._rng, searches, self._pause)
+            tries[row] = (tries[row][0] + attempts, succeeded)
         return tries, shown
 
     def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:
@@ -103,6 +112,14 @@ class Retries:
         for row, trial in zip(owner, run_lanes(simulator, lanes, self._pause), strict=True):
             tries[row] += 1, self._judge.step(ways[row].outcome, trial) is not None
         return [(int(attempts), int(succeeded)) for attempts, succeeded in tries]
+
+
+def _of_same_bug(ways: Sequence[Way]) -> list[Way]:
+    return [dataclasses.replace(way, outcome=way.outcome.of_same_bug()) for way in ways]
+
+
+def _missing(tries: Sequence[Tries]) -> list[int]:
+    return [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
 
 
 def _at_half_step(level: Level) -> Level:

@@ -146,7 +146,7 @@ def _leave_out(
                 lanes.append(Lane(before, left, len(left)))
     best = list(ways)
     for index, begin, trial in zip(owner, cuts, run_lanes(simulator, lanes, pause), strict=True):
-        whole = _joined(first_steps(ways[index].trial, begin), trial)
+        whole = joined(first_steps(ways[index].trial, begin), trial)
         step = judge.step(ways[index].outcome, whole, begin)
         if step is not None and step + 1 < len(best[index].trial):
             best[index] = ways[index].cut_to(whole, step + 1)
@@ -166,7 +166,7 @@ def _pieces(length: int, count: int) -> list[tuple[int, int]]:
     return [result[i] for i in dict.fromkeys(spread.tolist())]
 
 
-def _joined(first: Trial, second: Trial) -> Trial:
+def joined(first: Trial, second: Trial) -> Trial:
     """A trial that went on from where another ended."""
     actions: Actions = np.concatenate([first.actions, second.actions])
     return Trial(
