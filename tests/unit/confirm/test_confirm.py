@@ -160,6 +160,25 @@ def test_a_leap_that_turned_as_it_took_off_is_no_doing_of_the_time_step() -> Non
     assert not again.fragile
 
 
+def test_a_row_of_pillars_that_takes_every_jump_right_is_no_doing_of_the_time_step() -> None:
+    """Whoever has to begin at the first of them falls in between, at half the step: one has to go on from each."""
+    script: list[tuple[int, ...]] = [(EAST, 6)]
+    script += [(direction, 7, 1) for direction in (NORTH_EAST, EAST) * 2]
+    first, around = box([-6, -6, -1], [2.3, 6, 0]), [0.3, 0.3, 0.0]
+    everywhere = level(box([-6, -6, -1], [60, 60, 0]), explore=SETTINGS, spawn=(-3, 0, 0.02), navmesh=NAV)
+    trial = found(everywhere, MujocoSimulator(everywhere, 1, 1), script, "unexpected_area").path
+    assert trial is not None
+    assert trial.stood is not None
+    landed = trial.stood[np.isfinite(trial.stood[:, 0]) & (trial.stood[:, 0] > 2.3)] * [1, 1, 0]
+    pillars = [box(place - around - [0, 0, 8], place + around) for place in landed]
+    where = level(first, *pillars, explore=SETTINGS, kill_z_m=-12.0, spawn=(-3, 0, 0.02), navmesh=NAV)
+    finding, again = confirmed(where, script, "unexpected_area")
+    assert finding.position[0] > 15.0, "the last pillar is not reached"
+    assert again.confirmation.half_step[0] > 132  # none of those that begin before the first
+    assert again.confirmation.half_step[1] > 0
+    assert not again.fragile
+
+
 def test_a_long_way_round_gets_shorter_and_still_falls_bit_for_bit() -> None:
     script = [(EAST, 4), (WEST, 4), (NORTH, 4), (WEST, 5), (EAST, 5), (STILL, 10), (EAST, 30)]
     where = platform()
