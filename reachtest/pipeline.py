@@ -13,7 +13,7 @@ from reachtest import __version__
 from reachtest.baseline import Baseline, apply_baseline, baseline_of, read_baseline
 from reachtest.confirm import Confirmer
 from reachtest.errors import BadInput, Problem
-from reachtest.explore import HEURISTICS, Explorer, Replayer
+from reachtest.explore import Explorer, Replayer, check_heuristics
 from reachtest.findings import find, judge
 from reachtest.findings.audit import missed_ground
 from reachtest.findings.evidence import Evidence
@@ -48,11 +48,7 @@ class RunOptions:
 def load(options: RunOptions) -> Level:
     """The level with the command line's overrides. Raises BadInput."""
     level = load_level(options.level, options.overrides)
-    unknown = sorted(set(level.explore.heuristics) - set(HEURISTICS))
-    if unknown:
-        where = f"{options.level.name}: explore.heuristics"
-        remedy = f"known heuristics are {', '.join(HEURISTICS)}"
-        raise BadInput([Problem(where, f"'{name}' is no reset heuristic", remedy) for name in unknown])
+    check_heuristics(level, options.level.name)
     return level
 
 

@@ -11,9 +11,11 @@ from reachtest.commands.say import say
 def validate(level: LevelFile) -> None:
     """Check a level file and everything it names, without running it, and say what was understood."""
     from reachtest.baseline import baseline_of
+    from reachtest.explore import check_heuristics
     from reachtest.levels import check_level, load_level
 
     loaded = load_level(level)
+    check_heuristics(loaded, level.name)
     baseline_of(loaded)
     check = check_level(loaded)
     width = max(len(name) for name, _ in check.facts)

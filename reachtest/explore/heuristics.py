@@ -9,8 +9,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from reachtest.errors import BadInput, Problem
 from reachtest.interfaces import ResetHeuristic
-from reachtest.records import Candidates, Floats
+from reachtest.records import Candidates, Floats, Level
 
 NEAREST_M = 0.5  # a goal's last metre is no reason to restart from one point for ever
 
@@ -54,6 +55,14 @@ HEURISTICS: dict[str, ResetHeuristic] = {
     "off_mesh": off_mesh,
     "uniform": uniform,
 }
+
+
+def check_heuristics(level: Level, file: str) -> None:
+    """That every heuristic which the level of `file` names is one. Raises BadInput."""
+    where, remedy = f"{file}: explore.heuristics", f"known heuristics are {', '.join(HEURISTICS)}"
+    unknown = sorted(set(level.explore.heuristics) - set(HEURISTICS))
+    if unknown:
+        raise BadInput([Problem(where, f"'{name}' is no reset heuristic", remedy) for name in unknown])
 
 
 def mixture(weights: Mapping[str, float], power: float) -> ResetHeuristic:

@@ -187,10 +187,11 @@ def test_unknown_heuristics_are_bad_input(tmp_path) -> None:
     file.write_text(
         file.read_text().replace("goal_spacing_m: 3", "goal_spacing_m: 3, heuristics: {viists: 1}")
     )
-    done = reachtest("run", file, "--out", tmp_path / "out")
-    assert done.returncode == 2
-    assert "viists" in done.stderr
-    assert "visits" in done.stderr
+    for command in (["run", file, "--out", tmp_path / "out"], ["validate", file]):
+        done = reachtest(*command)
+        assert done.returncode == 2
+        assert "viists" in done.stderr
+        assert "visits" in done.stderr
 
 
 def test_validate_says_what_it_understood(closed_yard, tmp_path) -> None:
