@@ -21,6 +21,7 @@ from reachtest.records import Floats
 
 ROUNDS = 12
 LANES = 64  # a round
+MOST_STEPS = 250_000  # of a finding: about 15 s
 KEPT = 4  # states for each step of the way: more than one, for one may be stuck
 NEAR_M = 1.5  # of a found state, as states differ (see `_Archive.add`), or it is none of the way
 FRONT = 6  # steps of the way that half of the lanes go on from: the last that were reached
@@ -89,7 +90,8 @@ def search_along(
     It begins anew up to `times`, for what was kept early may lead nowhere. `pause` is called now and then.
     """
     attempts = came_out = 0
-    for number in range(times * ROUNDS):
+    affordable = max(MOST_STEPS // (LANES * len(way.trial)), 1)
+    for number in range(min(times * ROUNDS, affordable)):
         if number % ROUNDS == 0:
             archive = _Archive(way, simulator.step_s)
         drawn = archive.draw(rng)
