@@ -13,6 +13,7 @@ from reachtest.confirm.shortcut import over_navmesh
 from reachtest.confirm.trials import Trial
 from reachtest.geometry import at_rest
 from reachtest.interfaces import Surface
+from reachtest.navmesh.itself import NavMeshItself
 from reachtest.offlimits import SOLID, ZONE, off_limits
 from reachtest.records import Bools, Finding, Floats, Level
 
@@ -62,6 +63,7 @@ class Judge:
     def __init__(self, level: Level, surface: Surface) -> None:
         """`surface` tells expected from unexpected positions."""
         self._level, self._surface = level, surface
+        self._itself = NavMeshItself(level)
         self._holds = {(one.kind, one.name): one.holds for one in off_limits(level)}
 
     def over_navmesh(self, trial: Trial) -> Route | None:
@@ -103,19 +105,18 @@ class Judge:
     def _same_fall(self, outcome: Outcome, trial: Trial) -> bool:
         stood = np.concatenate([trial.start[None, :3], trial.stood[np.isfinite(trial.stood[:, 0])]])
         if outcome.exit_point is not None:
-            left = self._last_expected(stood)
+            left = self._left_at(stood)
             if left is not None and np.linalg.norm(left - outcome.exit_point) <= SAME_PLACE_M:
                 return True
         low, high = outcome.low - SAME_PLACE_M, outcome.high + SAME_PLACE_M
         return bool(((stood[-1] >= low) & (stood[-1] <= high)).all())
 
-    def _last_expected(self, places: Floats) -> Floats | None:
-        """The last of `places` [n, 3] that is near the nav-mesh; sought from the end, where it mostly is."""
+    def _left_at(self, places: Floats) -> Floats | None:
+        """The last of `places` [n, 3] on the nav-mesh itself; sought from the end, where it mostly is."""
         for end in range(len(places), 0, -PLACES_AT_ONCE):
-            some = places[max(end - PLACES_AT_ONCE, 0) : end]
-            expected = np.flatnonzero(np.isfinite(self._surface.distance(some)))
-            if len(expected):
-                return np.asarray(some[expected[-1]], dtype=np.float64)
+            left = self._itself.last_of(places[max(end - PLACES_AT_ONCE, 0) : end])
+            if left is not None:
+                return left
         return None
 
 

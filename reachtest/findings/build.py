@@ -30,7 +30,7 @@ class Cluster:
     points: Ints  # [n] indices of cached points
     falls: tuple[Fall, ...]
     places: Floats  # [m, 3] what the bounds enclose
-    exits: Floats | None = None  # [k, 3] where the paths left the nav-mesh
+    exits: Floats | None = None  # [k, 3] where the paths left the nav-mesh; of falls, in their order
     details: tuple[str, ...] = ()  # lines for people
     title: str = ""  # where the kind's own title does not say it
     count: int | None = None  # of whatever was found, where it is not the points or places
@@ -84,10 +84,15 @@ def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
 def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
     """What to show of a cluster: its evidence with the shortest known way from a spawn."""
     if cluster.falls:
-        fall = min(_from_the_edge(cluster.falls), key=evidence.steps_of_fall)
+        chosen = min(_from_the_edge(cluster.falls), key=lambda i: evidence.steps_of_fall(cluster.falls[i]))
+        fall = cluster.falls[chosen]
         first = min(evidence.seen_step(fall.origin) for fall in cluster.falls)
         path = evidence.replayer.path_to_fall(fall)
-        return _Sight(fall.footing, _known(fall.exit_point), first, path)
+        if cluster.exits is not None and np.linalg.norm(fall.footing - fall.exit_point) < SAME_M:
+            return _Sight(
+                fall.footing, cluster.exits[chosen], first, path
+            )  # the edge, not where the jump began
+        return _Sight(fall.footing, _left_at(evidence, path, fall.exit_point), first, path)
     points = evidence.exploration.points
     if len(cluster.points):
         # Standing evidence first: a designer wants to be taken to where the character stands.
@@ -96,7 +101,8 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
         index = int(some[evidence.steps_from_spawn[some].argmin()])
         first = min(evidence.seen_step(points.origin(int(i))) for i in cluster.points)
         path = evidence.replayer.path_to_point(index)
-        exit_point = None if points.expected[index] else _known(points.exit_point[index])
+        expected, known = points.expected[index], points.exit_point[index]
+        exit_point = None if expected else _left_at(evidence, path, known)
         return _Sight(points.positions[index], exit_point, first, path)
     if cluster.position is not None:
         return _Sight(cluster.position, None, None, None)
@@ -105,10 +111,10 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
     return _Sight(cluster.places[nearest], None, None, None)
 
 
-def _from_the_edge(falls: Sequence[Fall]) -> list[Fall]:
-    """The falls that flew hardly farther than any: who jumps out of a hole's reach shows its edge badly."""
+def _from_the_edge(falls: Sequence[Fall]) -> list[int]:
+    """Which falls flew hardly farther than any: who jumps out of a hole's reach shows its edge badly."""
     flown = np.array([np.hypot(*(fall.position - fall.footing)[:2]) for fall in falls])
-    return [fall for fall, far in zip(falls, flown, strict=True) if far <= flown.min() + _SAME_FLIGHT_M]
+    return [int(i) for i in np.flatnonzero(flown <= flown.min() + _SAME_FLIGHT_M)]
 
 
 def _spread(falls: Sequence[Fall], shown: Floats) -> tuple[Fall, ...]:
@@ -124,8 +130,12 @@ def _spread(falls: Sequence[Fall], shown: Floats) -> tuple[Fall, ...]:
     return tuple(falls[i] for i in chosen)
 
 
-def _known(exit_point: Floats) -> Floats | None:
-    return None if np.isnan(exit_point).any() else exit_point
+def _left_at(evidence: Evidence, path: ReplayPath, expected: Floats) -> Floats | None:
+    """Where a path left the nav-mesh itself; if it never was on it, where it was `expected` [3] last (NaN: never)."""
+    if np.isnan(expected).any():
+        return None
+    left = evidence.navmesh_itself.last_of(path.positions)
+    return expected if left is None else left
 
 
 def _title(cluster: Cluster, named: str | None) -> str:

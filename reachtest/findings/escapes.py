@@ -16,12 +16,12 @@ from reachtest.findings.build import Cluster
 from reachtest.findings.cluster import single_linkage
 from reachtest.findings.evidence import Evidence
 from reachtest.findings.rims import join_rims
-from reachtest.findings.spaces import join_spaces
+from reachtest.findings.spaces import Space, join_spaces
 from reachtest.findings.void import Void
 from reachtest.records import Bools, Fall, Floats, Ints, Level
 
 LINK_M = 4.0  # exits and areas closer than this are one bug: a little more than "expected" reaches
-_SAME_M = 0.5
+_SAME_M = 0.5  # who stands so near to where they were expected last fell off what is expected
 _SAMPLES = 17  # of a way: a metre or less of a jump apart
 
 
@@ -40,8 +40,15 @@ def escapes(evidence: Evidence) -> list[Cluster]:
     fall_group, edges = _fall_groups(evidence.level, falls, footings, left)
     group = _point_groups(exits, points.grounded[chosen], left, fall_group)
     count = int(max(group.max(initial=-1), fall_group.max(initial=-1))) + 1
-    stood = [chosen[(group == number) & points.grounded[chosen]] for number in range(count)]
-    label = np.array([*join_spaces(evidence, stood, LINK_M), -1], dtype=np.int64)  # -1 stays -1
+    beyond = np.linalg.norm(footings - left, axis=1) >= _SAME_M  # they fell off what is off the nav-mesh
+    spaces = [
+        Space(
+            chosen[(group == number) & points.grounded[chosen]],
+            tuple(falls[i] for i in np.flatnonzero((fall_group == number) & beyond)),
+        )
+        for number in range(count)
+    ]
+    label = np.array([*join_spaces(evidence, spaces, LINK_M), -1], dtype=np.int64)  # -1 stays -1
     group, fall_group = label[group], label[fall_group]
     clusters = []
     for number in np.unique(label[:-1]).tolist():

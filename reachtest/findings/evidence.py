@@ -12,6 +12,7 @@ import numpy as np
 import rtree
 
 from reachtest.interfaces import Replayer
+from reachtest.navmesh.itself import NavMeshItself
 from reachtest.navmesh.survey import Survey
 from reachtest.offlimits import off_limits
 from reachtest.records import Bools, Exploration, Fall, Floats, Ints, Level, Origin
@@ -62,6 +63,11 @@ class Evidence:
         positions = self.exploration.points.positions
         zones = [zone.holds(positions) for zone in self.level.zones if zone.kind == "allowed_off_mesh"]
         return np.logical_or.reduce([np.zeros(len(positions), dtype=np.bool_), *zones])
+
+    @cached_property
+    def navmesh_itself(self) -> NavMeshItself:
+        """Tells where a way left the nav-mesh."""
+        return NavMeshItself(self.level)
 
     def seen_step(self, origin: Origin) -> int:
         """The agent step of the run at which something of `origin` was seen first."""

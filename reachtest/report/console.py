@@ -82,7 +82,7 @@ def _gating(number: int, finding: Finding, level: Level, width: int) -> list[tup
     near = f"  near {wording.one_line(finding.nearest_named)}" if finding.nearest_named else ""
     rows = [("where", wording.place(level, finding.position) + near)]
     if left_at := wording.exit_place(level, finding):
-        rows.append(("left at", f"{left_at}  (last place on the nav-mesh)"))
+        rows.append(("left at", f"{left_at}  (where the way left the nav-mesh)"))
     rows.append(("how bad", f"{finding.severity}, {wording.extent(finding, level)}"))
     rows.append(("see it", wording.evidence(finding)))
     lines = [("", "")]

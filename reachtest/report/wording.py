@@ -36,7 +36,7 @@ def place(level: Level, position: Any) -> str:
 
 
 def exit_place(level: Level, finding: Finding) -> str | None:
-    """The last place on the nav-mesh before the finding, as `place` puts it; None if there is none."""
+    """Where the way to the finding left the nav-mesh, as `place` puts it; None if there is none."""
     if finding.exit_point is None or not np.isfinite(finding.exit_point).all():
         return None
     return place(level, finding.exit_point)

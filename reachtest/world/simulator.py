@@ -187,7 +187,12 @@ class MujocoSimulator:
         met = np.isfinite(floor)
         first = met.argmax(axis=1)
         rows = indices(met.any(axis=1))
-        first, ids, floor, passed = first[rows], ids[rows], floor[rows, first[rows]], passed[rows, first[rows]]
+        first, ids, floor, passed = (
+            first[rows],
+            ids[rows],
+            floor[rows, first[rows]],
+            passed[rows, first[rows]],
+        )
         onto = floor <= passed
         velocity[ids[onto], 2] = (floor[onto] - begin[rows[onto], 2]) / self._dt
         velocity[ids[~onto], :2] *= _LOOKS[first[~onto] - 1, None]  # into its side

@@ -155,9 +155,33 @@ def test_one_gap_into_a_space_is_one_finding_and_two_gaps_are_two() -> None:
     assert len(meadow([2, 1, 0], [8, -8, 0])) == 2
 
 
-def test_spaces_that_do_not_touch_are_not_joined() -> None:
+def test_spaces_that_do_not_touch_are_joined_only_where_they_have_one_exit() -> None:
+    """All along the outside of a thin wall one counts as expected: behind one window lie spaces far apart."""
     apart = [([0.0, 20, 0], [0, 11, 0], True), ([40.0, 20, 0], [8, 11, 0], True)]
-    assert len(find(level(FLOOR), exploration(apart), Ways([2, 1, 0]))) == 2
+    assert len(find(level(FLOOR), exploration(apart), Ways([2, 1, 0], [2.5, 1, 0]))) == 1
+    assert len(find(level(FLOOR), exploration(apart), Ways([2, 1, 0], [4, -1, 0]))) == 2
+
+
+def test_falls_off_far_rims_of_the_land_behind_one_window_are_one_finding() -> None:
+    """Nobody was cached on the last metre before the one in the east; they left the expected in two places."""
+
+    class Window(Paths):
+        def path_to_fall(self, fall):
+            gate = [2.0, 1, 0] if one_window or fall.footing[0] < 0 else [8.0, -8, 0]
+            return replace(super().path_to_fall(fall), positions=np.array([gate, fall.footing]))
+
+    rims = [
+        Fall(
+            Origin(-1, 0, 0, 0, 9),
+            np.array([1.1 * x, 0, -60]),
+            np.array([x, 0, 0]),
+            np.array([0.1 * x, 9, 0]),
+        )
+        for x in (-59.0, 59.0)
+    ]
+    for one_window in (True, False):
+        result = find(level(FLOOR), exploration(falls=rims), Window())
+        assert len([f for f in result if f.kind == "fell_out_of_world"]) == 2 - one_window
 
 
 def test_two_platforms_side_by_side_have_two_rims() -> None:
