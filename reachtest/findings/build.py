@@ -88,10 +88,9 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
         fall = cluster.falls[chosen]
         first = min(evidence.seen_step(fall.origin) for fall in cluster.falls)
         path = evidence.replayer.path_to_fall(fall)
-        if cluster.exits is not None and np.linalg.norm(fall.footing - fall.exit_point) < SAME_M:
-            return _Sight(
-                fall.footing, cluster.exits[chosen], first, path
-            )  # the edge, not where the jump began
+        # The edge, not where the jump began; from a wall's top it would be any edge.
+        if cluster.exits is not None and evidence.navmesh_itself.holds(fall.footing[None])[0]:
+            return _Sight(fall.footing, cluster.exits[chosen], first, path)
         return _Sight(fall.footing, _left_at(evidence, path, fall.exit_point), first, path)
     points = evidence.exploration.points
     if len(cluster.points):
