@@ -82,7 +82,7 @@ def level(
     )
 
 
-STILL, EAST, NORTH_EAST, NORTH, WEST = 0, 1, 2, 3, 5
+STILL, EAST, NORTH_EAST, NORTH, WEST, SOUTH_EAST = 0, 1, 2, 3, 5, 8
 
 
 class Walk:

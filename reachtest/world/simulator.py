@@ -27,8 +27,9 @@ from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
 STATE_SIZE = 7
 SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
 _LOOKS = np.linspace(0.0, 1.0, 5)  # at the way of a fast fall within a tick
-SQUEEZED_M = 0.008  # on two sides at once: contacts would push it through an opening it does not fit
-OPPOSED_COS = -0.7  # between the normals of two sides
+CLEAR_M = 0.005  # less deep in something is beside it
+STEEP_NZ = 0.3  # a normal with less of a vertical part is a side's
+MOVES_OUT = 6  # one after the other, out of what one is deepest in: enough for a corner, in vain in a slot
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
 
 
@@ -198,27 +199,41 @@ class MujocoSimulator:
         velocity[ids[~onto], :2] *= _LOOKS[first[~onto] - 1, None]  # into its side
 
     def _back_out(self, came_from: Floats) -> None:
-        """Put who is squeezed between two sides back where it came from [B, 3], unless it was deeper in there.
+        """Put who is where it does not fit back to where it came from [B, 3], unless it did not fit there either.
 
         At 0.2 m a tick the corners of too narrow an opening are passed between two looks at the contacts, and
-        then both sides push evenly: without this one approach in five got through 5 cm too little.
+        then its sides push evenly. Who did not fit before would stay there for ever.
         """
         sensor = self._batch.sensor
-        ids = indices(sensor[:, 1, 1] < -SQUEEZED_M)
+        deep = (sensor[:, :, 1] < -CLEAR_M) & (np.abs(sensor[:, :, 4]) < STEEP_NZ)
+        ids = indices(deep.any(axis=1))
         if not len(ids):
             return
-        deep = (sensor[ids, :, 1] < -SQUEEZED_M) & (sensor[ids, :, 0] > 0)
-        normals = np.where(deep[:, :, None], sensor[ids, :, 2:], 0.0)
-        ids = ids[(normals @ normals.transpose(0, 2, 1)).min(axis=(1, 2), initial=0.0) < OPPOSED_COS]
-        if not len(ids):
-            return
-        here = self._position[ids], self._velocity[ids], self._batch.deepest()[ids]
-        self._position[ids], self._velocity[ids] = came_from[ids], 0.0
+        here, there = self._position[ids], came_from[ids]
+        fits = self._fits(ids, here) & self._fits(ids, (here + there) / 2)
+        back = indices(~fits)
+        back = back[self._fits(ids[back], there[back])]
+        self._position[ids[back]], self._velocity[ids[back]] = there[back], 0.0
         self._refresh(ids)
-        worse = self._batch.deepest()[ids] <= here[2]  # where it came from: there it would stay for ever
-        if worse.any():
-            self._position[ids[worse]], self._velocity[ids[worse]] = here[0][worse], here[1][worse]
-            self._refresh(ids[worse])
+
+    def _fits(self, ids: Ints, positions: Floats) -> Bools:
+        """Who of agents [n] comes clear of everything when moved out of what it is in at `positions` [n, 3].
+
+        Their contacts are to be refreshed afterwards.
+        """
+        result, trying = np.zeros(len(ids), dtype=np.bool_), np.arange(len(ids))
+        kept, self._position[ids] = self._position[ids], positions
+        for _ in range(MOVES_OUT):
+            if not len(trying):
+                break
+            self._batch.touch(ids[trying])
+            deepest = self._batch.sensor[ids[trying], 0]
+            clear = (deepest[:, 0] == 0) | (deepest[:, 1] > -CLEAR_M)
+            result[trying[clear]] = True
+            trying, deepest = trying[~clear], deepest[~clear]
+            self._position[ids[trying]] += deepest[:, 1:2] * deepest[:, 2:]
+        self._position[ids] = kept
+        return result
 
     def _limit_boost(self, plan: Plan, walked: Bools, stands: Bools) -> None:
         """No throw without a jump: walking off a crest starts at rest, a steep surface only slows a fall."""

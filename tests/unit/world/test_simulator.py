@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reachtest.levels import PRESETS
 from reachtest.records import EndReason, ExploreSettings
 from reachtest.world import MujocoSimulator
-from tests.levels import FLOOR, box, level, slope
+from tests.levels import EAST, FLOOR, NORTH_EAST, SOUTH_EAST, box, level, slope
 
 COURSE = level(
     FLOOR,
@@ -151,3 +152,23 @@ def test_who_falls_fast_onto_the_edge_of_a_floor_is_never_in_it(thick: float, dr
     feet = simulator.save()[:, 2]
     assert ((feet > 9.85) | (feet < 0.05)).all()  # at an edge the capsule hangs a little
     assert 0.3 < (feet > 9.85).mean() < 0.7
+
+
+@pytest.mark.parametrize("who", PRESETS)
+@pytest.mark.parametrize("thick", [0.1, 0.6, 2.0])
+@pytest.mark.parametrize("wider", [-0.05, -0.02, 0.02])
+def test_a_slot_that_is_too_narrow_is_passed_by_nobody(who: str, thick: float, wider: float) -> None:
+    """Run at from all sides, with jumps: pushed off one corner, the capsule was in one side only, and then through."""
+    c, n, rng = PRESETS[who], 128, np.random.default_rng(0)
+    half = c.radius_m + wider / 2
+    sides = [box([0, *y, 0], [thick, *end, 4]) for y, end in (([-20], [-half]), ([half], [20]))]
+    simulator = MujocoSimulator(level(FLOOR, *sides, character=c), n)
+    places = np.column_stack([rng.uniform(-4, -1, n), rng.uniform(-1.5, 1.5, n), np.full(n, 0.02)])
+    simulator.restore(np.arange(n), simulator.place(places))
+    for _ in range(50):
+        y, anyhow = simulator.save()[:, 1], rng.random(n) < 0.2
+        towards = np.select([np.abs(y) < 0.1, y > 0], [EAST, SOUTH_EAST], NORTH_EAST)
+        stick = np.where(anyhow, rng.integers(0, 9, n), towards)
+        simulator.step(np.stack([stick, rng.random(n) < 0.1], axis=1).astype(np.int8))
+    through = simulator.save()[:, 0] > thick + c.radius_m / 2
+    assert through.mean() > 0.5 if wider > 0 else not through.any()
