@@ -18,7 +18,7 @@ from reachtest.explore.transitions import Graph
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
 
-STUCK_M = 4.0  # a trap that is no wider holds the character: 3 m and what two cells add to it
+STUCK_M = 4.0  # a trap no part of which is farther along the axes holds the character; cells add up to one
 SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has one at every metre
 BESIDE_M = 1.0  # a cell or so beside a spawn is at the spawn
 STAND_M = 0.35  # a spawn stands so near its ground
@@ -167,8 +167,8 @@ def _sinks(graph: Graph, rows: Ints, label: Ints) -> Ints:
 
 
 def _widths(places: Floats, label: Ints) -> Floats:
-    """Horizontal diagonal of the box around the places [n, 3] of each label [m] [m]."""
+    """Longer horizontal side of the box around the places [n, 3] of each label [m] [m]."""
     low, high = np.full((label.max() + 1, 2), np.inf), np.full((label.max() + 1, 2), -np.inf)
     np.minimum.at(low, label, places[:, :2])
     np.maximum.at(high, label, places[:, :2])
-    return np.asarray(np.linalg.norm(high - low, axis=1))
+    return np.asarray((high - low).max(axis=1))

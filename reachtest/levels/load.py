@@ -132,10 +132,11 @@ class _Builder:
 
     def _add(self, item: GeometrySpec, pieces: tuple[Piece, ...], where: str, index: int) -> None:
         label = item.name or (f"{item.shape} {index}" if item.shape != "mesh" else Path(str(item.mesh)).stem)
+        if item.name and len(pieces) == 1:
+            pieces = (dataclasses.replace(pieces[0], name=item.name),)
         for piece in pieces:
             used = piece.triangles.reshape(-1, 3)
-            name = item.name if item.name and len(pieces) == 1 else piece.name
-            self.parts.append(Part(name, used.min(axis=0), used.max(axis=0)))
+            self.parts.append(Part(piece.name, used.min(axis=0), used.max(axis=0)))
         if item.role != "solid":
             self.collision += [piece.triangles for piece in pieces]
         if item.role != "collision":

@@ -100,6 +100,12 @@ def test_the_same_seed_finds_the_same_pockets() -> None:
     assert (again.pockets[0].attempts, again.probe_steps) == (result.pockets[0].attempts, result.probe_steps)
 
 
+def test_a_square_pit_nearly_4_m_wide_is_stuck() -> None:
+    """Its diagonal is 5.2 m."""
+    (pocket,) = explore(yard(3.7, 3.0)).pockets
+    assert pocket.stuck
+
+
 def test_a_wide_pit_is_a_region_without_return() -> None:
     (pocket,) = explore(yard(6.0, 3.0)).pockets
     assert not pocket.stuck

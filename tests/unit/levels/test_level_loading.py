@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from reachtest.levels import PRESETS, check_level, json_schema, load_level
 from reachtest.records import ExploreSettings
@@ -124,6 +125,16 @@ def test_solids_are_apart_from_collision(write_level: WriteLevel) -> None:
     assert len(level.collision) == 24
     assert [solid.name for solid in level.solids] == ["ghost", "crate"]
     assert [part.name for part in level.parts] == ["floor", "ghost", "crate"]
+
+
+def test_a_solid_from_a_file_is_called_what_the_level_calls_it(write_level: WriteLevel, tmp_path) -> None:
+    """Not after the node in the file, which an export names anew."""
+    path = write_level()
+    trimesh.creation.box([1, 1, 1]).export(path.parent / "well.glb")
+    floor = {"name": "floor", "box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}
+    level = load_level(write_level(geometry=[floor, {"name": "ring", "mesh": "well.glb", "role": "solid"}]))
+    assert [solid.name for solid in level.solids] == ["ring"]
+    assert [part.name for part in level.parts] == ["floor", "ring"]
 
 
 def test_facts_say_how_the_level_was_understood(write_level: WriteLevel) -> None:
