@@ -23,13 +23,9 @@ from reachtest.world.model import MASS_KG
 from reachtest.world.terrain import split_terrain
 from reachtest.world.tiled_batch import TiledBatch
 from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
+from reachtest.world.tunnelling import Barriers
 
 STATE_SIZE = 7
-SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
-_LOOKS = np.linspace(0.0, 1.0, 5)  # at the way of a fast fall within a tick
-CLEAR_M = 0.005  # less deep in something is beside it
-STEEP_NZ = 0.3  # a normal with less of a vertical part is a side's
-MOVES_OUT = 6  # one after the other, out of what one is deepest in: enough for a corner, in vain in a slot
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
 
 
@@ -50,13 +46,14 @@ class MujocoSimulator:
         self._repeat = level.explore.action_repeat
         self._kill_z = level.kill_z_m
         self._bounds = level.bounds
-        self._columns = ColumnIndex(level.collision, min_normal_z=0.05)
+        columns = ColumnIndex(level.collision, min_normal_z=0.05)
         self._controller = Controller(level.character, self._dt)
         spawns = np.array([spawn.position for spawn in level.spawns])
         self._batch = TiledBatch(
             *split_terrain(level), level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
         )
-        self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, self._columns)
+        self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, columns)
+        self._barriers = Barriers(self._batch, columns, self._dt)
         self._ticks_to_land = np.ceil(STEP_S / self._dt)
         self._footing = np.zeros(agents)
         self.use(agents)
@@ -141,14 +138,15 @@ class MujocoSimulator:
         self._batch.enter_tiles()
         came_from = self._position.copy()
         plan = self._controller.plan(self._velocity, self._contacts, before, stick)
-        self._stop_at_floors(plan.velocity)
+        self._barriers.stop_at_floors(plan.velocity)
         force = self._batch.force
         np.subtract(plan.velocity, self._velocity, out=force)
         force *= MASS_KG / self._dt
         force[:, 2] += MASS_KG * self.character.gravity_mps2
         self._batch.step()
         self._contacts = self._read()
-        self._back_out(came_from)
+        if self._barriers.back_out(came_from):
+            self._contacts = self._read()
         contacts = self._contacts
         walked = before & ~plan.jumped
         stands = self._controller.grounded(self._velocity, contacts, walked)
@@ -165,75 +163,6 @@ class MujocoSimulator:
         self._footing[lowered] = 1.0
         if len(lifted) or len(lowered):
             self._contacts = self._read()
-
-    def _stop_at_floors(self, velocity: Floats) -> None:
-        """No fall into or through a floor: who would fall past one within the tick falls onto it, in place.
-
-        Looked for all along the way: its edge may be crossed within the tick, and in a floor one stays. What was
-        passed already is met from the side.
-
-        Contacts are looked for at the end of a tick only, and 40 m/s is more than a metre a tick. Cheaper
-        than a finer time step (everybody pays) or MuJoCo's speculative contacts (three times the step, and
-        jumps come out a tenth too high: measured).
-        """
-        ids = indices(velocity[:, 2] * self._dt < -SAFE_DROP_M)
-        if not len(ids):
-            return
-        begin, move = self._position[ids], velocity[ids] * self._dt
-        way = begin[:, None] + _LOOKS[None, :, None] * move[:, None]  # [n, looks, 3]
-        passed = np.concatenate([way[:, :1, 2], way[:, :-1, 2]], axis=1)  # how high it was a look before
-        way[:, :, 2] = begin[:, None, 2]
-        floor = self._columns.highest(way.reshape(-1, 3), np.repeat(-move[:, 2], len(_LOOKS)), 0.0)[0]
-        floor = floor.reshape(passed.shape)
-        met = np.isfinite(floor)
-        first = met.argmax(axis=1)
-        rows = indices(met.any(axis=1))
-        first, ids, floor, passed = (
-            first[rows],
-            ids[rows],
-            floor[rows, first[rows]],
-            passed[rows, first[rows]],
-        )
-        onto = floor <= passed
-        velocity[ids[onto], 2] = (floor[onto] - begin[rows[onto], 2]) / self._dt
-        velocity[ids[~onto], :2] *= _LOOKS[first[~onto] - 1, None]  # into its side
-
-    def _back_out(self, came_from: Floats) -> None:
-        """Put who is where it does not fit back to where it came from [B, 3], unless it did not fit there either.
-
-        At 0.2 m a tick the corners of too narrow an opening are passed between two looks at the contacts, and
-        then its sides push evenly. Who did not fit before would stay there for ever.
-        """
-        sensor = self._batch.sensor
-        deep = (sensor[:, :, 1] < -CLEAR_M) & (np.abs(sensor[:, :, 4]) < STEEP_NZ)
-        ids = indices(deep.any(axis=1))
-        if not len(ids):
-            return
-        here, there = self._position[ids], came_from[ids]
-        fits = self._fits(ids, here) & self._fits(ids, (here + there) / 2)
-        back = indices(~fits)
-        back = back[self._fits(ids[back], there[back])]
-        self._position[ids[back]], self._velocity[ids[back]] = there[back], 0.0
-        self._refresh(ids)
-
-    def _fits(self, ids: Ints, positions: Floats) -> Bools:
-        """Who of agents [n] comes clear of everything when moved out of what it is in at `positions` [n, 3].
-
-        Their contacts are to be refreshed afterwards.
-        """
-        result, trying = np.zeros(len(ids), dtype=np.bool_), np.arange(len(ids))
-        kept, self._position[ids] = self._position[ids], positions
-        for _ in range(MOVES_OUT):
-            if not len(trying):
-                break
-            self._batch.touch(ids[trying])
-            deepest = self._batch.sensor[ids[trying], 0]
-            clear = (deepest[:, 0] == 0) | (deepest[:, 1] > -CLEAR_M)
-            result[trying[clear]] = True
-            trying, deepest = trying[~clear], deepest[~clear]
-            self._position[ids[trying]] += deepest[:, 1:2] * deepest[:, 2:]
-        self._position[ids] = kept
-        return result
 
     def _limit_boost(self, plan: Plan, walked: Bools, stands: Bools) -> None:
         """No throw without a jump: walking off a crest starts at rest, a steep surface only slows a fall."""
