@@ -114,9 +114,10 @@ class Judge:
     def _left_at(self, places: Floats) -> Floats | None:
         """The last of `places` [n, 3] on the nav-mesh itself; sought from the end, where it mostly is."""
         for end in range(len(places), 0, -PLACES_AT_ONCE):
-            left = self._itself.last_of(places[max(end - PLACES_AT_ONCE, 0) : end])
+            some = places[max(end - PLACES_AT_ONCE, 0) : end]
+            left = self._itself.last_of(some)
             if left is not None:
-                return left
+                return np.asarray(some[left], dtype=np.float64)
         return None
 
 

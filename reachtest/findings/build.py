@@ -46,13 +46,14 @@ class _Sight:
     exit_point: Floats | None  # [3]
     first_seen_step: int | None
     path: ReplayPath | None
+    beyond: Floats | None = None  # [3] what to name it after, where that is not the exit
 
 
 def build_finding(evidence: Evidence, cluster: Cluster) -> Finding:
     """The finding, with the shortest known way re-simulated."""
     sight = _representative(evidence, cluster)
     anchor = sight.position if sight.exit_point is None else sight.exit_point
-    named = evidence.nearest_part(anchor)
+    named = evidence.nearest_part(anchor if sight.beyond is None else sight.beyond)
     # What has a name of its own is known by it; other places by the part they are at and a coarse grid.
     where = cluster.label or f"{named} {np.floor(anchor / _ID_GRID_M).astype(int).tolist()}"
     digest = hashlib.sha256(f"{cluster.kind} {where}".encode()).hexdigest()
@@ -91,7 +92,8 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
         # The edge, not where the jump began; from a wall's top it would be any edge.
         if cluster.exits is not None and evidence.navmesh_itself.holds(fall.footing[None])[0]:
             return _Sight(fall.footing, cluster.exits[chosen], first, path)
-        return _Sight(fall.footing, _left_at(evidence, path, fall.exit_point), first, path)
+        exit_point, beyond = _left_at(evidence, path, fall.exit_point)
+        return _Sight(fall.footing, exit_point, first, path, beyond)
     points = evidence.exploration.points
     if len(cluster.points):
         # Standing evidence first: a designer wants to be taken to where the character stands.
@@ -101,8 +103,8 @@ def _representative(evidence: Evidence, cluster: Cluster) -> _Sight:
         first = min(evidence.seen_step(points.origin(int(i))) for i in cluster.points)
         path = evidence.replayer.path_to_point(index)
         expected, known = points.expected[index], points.exit_point[index]
-        exit_point = None if expected else _left_at(evidence, path, known)
-        return _Sight(points.positions[index], exit_point, first, path)
+        exit_point, beyond = (None, None) if expected else _left_at(evidence, path, known)
+        return _Sight(points.positions[index], exit_point, first, path, beyond)
     if cluster.position is not None:
         return _Sight(cluster.position, None, None, None)
     middle = cluster.places.mean(axis=0)
@@ -129,12 +131,18 @@ def _spread(falls: Sequence[Fall], shown: Floats) -> tuple[Fall, ...]:
     return tuple(falls[i] for i in chosen)
 
 
-def _left_at(evidence: Evidence, path: ReplayPath, expected: Floats) -> Floats | None:
-    """Where a path left the nav-mesh itself; if it never was on it, where it was `expected` [3] last (NaN: never)."""
+def _left_at(evidence: Evidence, path: ReplayPath, expected: Floats) -> tuple[Floats | None, Floats | None]:
+    """Where a path left the nav-mesh itself [3], and the next place of it; for one that never was on it, where it was
+    `expected` [3] last (NaN: never).
+
+    A ramp off the nav-mesh is left for on the floor, and is what to look at.
+    """
     if np.isnan(expected).any():
-        return None
+        return None, None
     left = evidence.navmesh_itself.last_of(path.positions)
-    return expected if left is None else left
+    if left is None:
+        return expected, None
+    return path.positions[left], path.positions[min(left + 1, len(path.positions) - 1)]
 
 
 def _title(cluster: Cluster, named: str | None) -> str:

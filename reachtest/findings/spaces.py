@@ -69,4 +69,4 @@ class _Exit:
         else:
             way = evidence.replayer.path_to_fall(min(space.falls, key=evidence.steps_of_fall))
         left = evidence.navmesh_itself.last_of(way.positions)
-        return np.full(3, np.nan) if left is None else left
+        return np.full(3, np.nan) if left is None else way.positions[left]

@@ -25,7 +25,7 @@ class NavMeshItself:
         """Which of `places` [n, 3] are on it; none that is NaN."""
         return self._surface.within(places * self._flat)
 
-    def last_of(self, places: Floats) -> Floats | None:
-        """The last of `places` [n, 3] that is on it; None if none is."""
+    def last_of(self, places: Floats) -> int | None:
+        """Which of `places` [n, 3] is the last on it; None if none is."""
         held = np.flatnonzero(self.holds(places))
-        return np.asarray(places[held[-1]], dtype=np.float64) if len(held) else None
+        return int(held[-1]) if len(held) else None
