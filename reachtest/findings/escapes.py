@@ -18,6 +18,7 @@ from reachtest.findings.evidence import Evidence
 from reachtest.findings.rims import join_rims
 from reachtest.findings.spaces import Space, join_spaces
 from reachtest.findings.void import Void
+from reachtest.findings.walls import Walls
 from reachtest.records import Bools, Fall, Floats, Ints, Level
 
 LINK_M = 4.0  # exits and areas closer than this are one bug: a little more than "expected" reaches
@@ -72,6 +73,7 @@ def _fall_groups(
     void = Void(level)
     ends = np.array([fall.position for fall in falls])
     over = void.entries(footings, ends)
+    over[Walls(level.collision).behind(footings, over, level.character)] = np.nan  # it bounced
     at_once = np.linalg.norm(footings - left, axis=1) < _SAME_M
     _where_others_fell(over, at_once & np.isnan(over[:, 0]), footings, ends)
     direct = at_once & ~np.isnan(over[:, 0])

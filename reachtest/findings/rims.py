@@ -3,7 +3,7 @@
 Two places are on one rim if, every half metre of the straight way between them, one stands on a floor and can walk off
 it without touching anything, into one void. A fence with two gaps is no open rim, nor is the ground between two holes.
 
-Shape legend: n samples, d directions, s segments, F triangles.
+Shape legend: n samples, d directions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.findings.void import Void
-from reachtest.records import Bools, Floats, Level
+from reachtest.findings.walls import Walls
+from reachtest.records import Floats, Level
 
 FARTHEST_M = 25.0  # between two falls: in longer gaps it is rather the exploration that is too short
 _SPACING_M = 0.5
@@ -27,7 +28,6 @@ _ALONG = 0.75  # cosine: one walks off a rim to its side; from one hole one walk
 _DIRECTIONS = 16
 _TRIES = 5  # lines between two clusters: the shortest may cut a corner or meet a post
 _FLOOR_M = 1.0  # the floor between two places on it may be that much off the straight line
-_PAIRS_AT_ONCE = 1 << 18
 
 
 def join_rims(level: Level, void: Void, edges: Sequence[Floats]) -> list[int]:
@@ -65,7 +65,7 @@ def _near_pairs(edges: Sequence[Floats]) -> list[tuple[float, int, int, Floats, 
 
 class _Rims:
     def __init__(self, level: Level, void: Void) -> None:
-        self._triangles, self._void = level.collision, void
+        self._walls, self._void = Walls(level.collision), void
         character = level.character
         self._heights = np.linspace(character.step_height_m + 0.1, character.height_m, 3)
         angles = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
@@ -101,39 +101,10 @@ class _Rims:
             return False
         ways = [(line - _INLAND_M * direction + [0, 0, up], edge + [0, 0, up]) for up in self._heights]
         starts, ends = (np.concatenate(side) for side in zip(*ways, strict=True))
-        return not self._blocked(starts, ends).any()
+        return not self._walls.between(starts, ends).any()
 
     def _one_floor(self, line: Floats) -> bool:
         """Whether the floor goes on between places [n, 3] on it: two platforms have two rims."""
         stride = np.linalg.norm(np.diff(line, axis=0), axis=1)
         floor, _ = self._void.columns.highest((line[1:] + line[:-1]) / 2, _FLOOR_M, _FLOOR_M)
         return bool((stride <= _STRIDE_M).all() and np.isfinite(floor).all())
-
-    def _blocked(self, starts: Floats, ends: Floats) -> Bools:
-        """Whether each segment [s] meets a triangle (Möller & Trumbore, from both sides)."""
-        low, high = np.minimum(starts, ends).min(axis=0), np.maximum(starts, ends).max(axis=0)
-        corners = self._triangles
-        near = ((corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)).all(axis=1)
-        triangles = corners[near]
-        result = np.zeros(len(starts), dtype=np.bool_)
-        size = max(1, _PAIRS_AT_ONCE // max(1, len(triangles)))
-        for begin in range(0, len(starts) if len(triangles) else 0, size):
-            some = slice(begin, begin + size)
-            result[some] = _meets(starts[some], ends[some] - starts[some], triangles).any(axis=1)
-        return result
-
-
-def _meets(starts: Floats, along: Floats, triangles: Floats) -> Bools:
-    """Whether each segment [s, 3] and each triangle [F, 3, 3] meet [s, F]."""
-    u, v = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    p = np.cross(along[:, None], v[None])
-    determinant = np.einsum("sfi,fi->sf", p, u)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inverse = 1.0 / determinant
-        away = starts[:, None] - triangles[None, :, 0]
-        s = np.einsum("sfi,sfi->sf", away, p) * inverse
-        q = np.cross(away, u[None])
-        t = np.einsum("si,sfi->sf", along, q) * inverse
-        at = np.einsum("sfi,fi->sf", q, v) * inverse
-        inside = (s >= 0) & (t >= 0) & (s + t <= 1) & (at >= 0) & (at <= 1)
-    return np.asarray(inside & (np.abs(determinant) > 1e-12), dtype=np.bool_)
