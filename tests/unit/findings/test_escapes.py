@@ -68,8 +68,8 @@ def test_who_bounces_off_the_wall_of_a_hole_shows_the_same_hole() -> None:
 @pytest.mark.parametrize(("height", "bugs"), [(3.0, 1), (0.6, 2)])
 def test_no_fall_went_through_a_wall_on_its_straight_way(height: float, bugs: int) -> None:
     """He slid along the fence and through its gap; over a low one he jumped where nobody else did."""
-    fence = [box([a, 58, 0], [b, 58.5, height]) for a, b in ((-60, 20), (23, 60))]
-    gap = [falls([x, 57.5], [0, 1]) for x in (21.0, 22.0)]
+    fence = [box([a, 59, 0], [b, 59.5, height]) for a, b in ((-60, 20), (23, 60))]
+    gap = [falls([x, 58.5], [0, 1]) for x in (21.0, 22.0)]
     slid = Fall(Origin(-1, 0, 0, 0, 9), np.array([19.0, 62.0, KILL_Z - 1]), *[np.array([8.0, 56.0, 0])] * 2)
     assert len(found(FLOOR, *fence, result=exploration(falls=[*gap, slid]))) == bugs
 
