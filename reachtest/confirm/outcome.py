@@ -63,8 +63,11 @@ class Judge:
     def __init__(self, level: Level, surface: Surface) -> None:
         """`surface` tells expected from unexpected positions."""
         self._level, self._surface = level, surface
-        self._itself = NavMeshItself(level)
         self._holds = {(one.kind, one.name): one.holds for one in off_limits(level)}
+
+    @cached_property
+    def _itself(self) -> NavMeshItself:
+        return NavMeshItself(self._level)
 
     def over_navmesh(self, trial: Trial) -> Route | None:
         """The short way over the nav-mesh to where a trial left it for good; None if there is none."""
