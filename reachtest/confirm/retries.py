@@ -21,7 +21,7 @@ from reachtest.records import Level
 # second earlier, measured at two ledges). Then from the spawn, and at last by a search along the way: fragile is said
 # late. Not of pockets: who is on the way through one would do.
 EARLIER_STEPS = (4, 16)
-SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of all: about 3 s each
+SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of those tried together: about 3 s each
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
 FINE_LANES = 64
