@@ -84,12 +84,12 @@ def search_along(
     rng: np.random.Generator,
     times: int,
     pause: Callable[[], None],
-) -> tuple[int, int]:
-    """Attempts, and how many of them came to the outcome of `way`: it ends with the round in which one did.
+) -> tuple[int, Trial | None]:
+    """The attempts, and the first of them that came to the outcome of `way`, if one did.
 
     It begins anew up to `times`, for what was kept early may lead nowhere. `pause` is called now and then.
     """
-    attempts = came_out = 0
+    attempts = 0
     affordable = max(MOST_STEPS // (LANES * len(way.trial)), 1)
     for number in range(min(times * ROUNDS, affordable)):
         if number % ROUNDS == 0:
@@ -98,12 +98,12 @@ def search_along(
         lanes = [_lane(way, *one, script=row % 2 == 0, rng=rng) for row, one in enumerate(drawn)]
         for (_, kept), rest in zip(drawn, run_lanes(simulator, lanes, pause), strict=True):
             whole = joined(first_steps(kept.trial, kept.steps), rest)
-            came_out += judge.step(way.outcome, whole, kept.steps) is not None
+            attempts += 1
+            step = judge.step(way.outcome, whole, kept.steps)
+            if step is not None:
+                return attempts, first_steps(whole, step + 1)
             archive.add(whole, kept.steps)
-        attempts += len(drawn)
-        if came_out:
-            break
-    return attempts, came_out
+    return attempts, None
 
 
 def _lane(way: Way, step: int, kept: _Kept, script: bool, rng: np.random.Generator) -> Lane:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from reachtest.confirm.outcome import Judge
-from reachtest.confirm.retries import Retries
+from reachtest.confirm.retries import Retries, shows
 from reachtest.confirm.shorten import Way, affordable, shorten
 from reachtest.confirm.trials import Lane, Trial, run_lanes
 from reachtest.interfaces import Simulator, Surface, Teller
@@ -98,7 +98,7 @@ class Confirmer:
         """The finding by another part of its edge, where half the step shows it there and not where it was shown."""
         way, exact, half, nearby = confirmed
         path_to = self._path_to
-        if path_to is None or half[1]:
+        if path_to is None or shows(half):
             return finding, confirmed
         for fall in finding.others:
             exit_point = None if np.isnan(fall.exit_point).any() else fall.exit_point
@@ -107,9 +107,9 @@ class Confirmer:
             )
             if found := self._way(other):
                 ((again, came_out, more, around),) = self._confirmed([found], affordable([found]), count)
-                half = half[0] + more[0], more[1]
-                if more[1]:
-                    return other, (again, came_out, half, around)
+                if shows(more):
+                    return other, (again, came_out, more, around)
+                half = half[0] + more[0], half[1] + more[1]
         return finding, (way, exact, half, nearby)
 
     def _with(self, finding: Finding, confirmed: _Confirmed) -> Finding:
@@ -117,7 +117,7 @@ class Confirmer:
         path = finding.path
         assert path is not None
         tries = (path.attempts + 1, path.succeeded + exact)
-        fragile = half[1] == 0 or tries[1] < tries[0]
+        fragile = not shows(half) or tries[1] < tries[0]
         return dataclasses.replace(
             finding,
             path=_shown(path, way.trial, self._simulator.step_s),

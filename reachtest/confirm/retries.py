@@ -22,11 +22,18 @@ from reachtest.records import Level
 # late. Not of pockets: who is on the way through one would do.
 EARLIER_STEPS = (4, 16)
 SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of those tried together: about 3 s each
+AGAIN = 0.1  # of the attempts around what the search found: less is the half step's own rounding
+RARELY = 1 / 200  # of the attempts: what half the step shows no oftener it does not show
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
 FINE_LANES = 64
 
 Tries = tuple[int, int]  # attempts, and how many of them showed it
+
+
+def shows(tries: Tries) -> bool:
+    """Whether attempts and successes at half the step say that it is no doing of the coarse one."""
+    return tries[1] > RARELY * tries[0]
 
 
 class Retries:
@@ -71,8 +78,13 @@ class Retries:
         searches = int(np.clip(ALL_SEARCHES // max(len(_missing(tries)), 1), 1, SEARCHES))
         for row in [row for row in _missing(tries) if loose[row].outcome.standing is None]:
             way = self._earlier(loose[row], EARLIER_STEPS[-1])
-            attempts, succeeded = search_along(way, finer, self._judge, self._rng, searches, self._pause)
-            tries[row] = (tries[row][0] + attempts, succeeded)
+            attempts, trial = search_along(way, finer, self._judge, self._rng, searches, self._pause)
+            tries[row] = (tries[row][0] + attempts, int(trial is not None))
+            if trial is not None:
+                it = self._stretch(dataclasses.replace(way, trial=trial))
+                (around,) = self._attempt(finer, [it], count, as_found=True)
+                rare = (tries[row][0] + around[0], 1 + around[1])
+                tries[row] = around if around[1] >= AGAIN * around[0] else rare
         return tries, shown
 
     def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:

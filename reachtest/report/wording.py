@@ -104,7 +104,7 @@ def why_fragile(finding: Finding) -> str:
     if confirmation is None or confirmation.exact[0] > confirmation.exact[1]:
         return "did not come out bit for bit when it was simulated again: please report that"
     return (
-        f"only at the coarse time step: 0 of {confirmation.half_step[0]} at half of it,"
+        f"only at the coarse time step: {confirmation.half_step[1]} of {confirmation.half_step[0]} at half of it,"
         f" {confirmation.nearby[1]} of {confirmation.nearby[0]} with other actions"
     )
 

@@ -140,7 +140,9 @@ def test_what_half_the_step_shows_over_another_part_of_the_edge_is_not_fragile(o
     assert np.allclose(again.position, other.position if open_west else finding.position)
     assert again.confirmation is not None
     assert again.confirmation.exact[0] == again.confirmation.exact[1]
-    assert again.confirmation.half_step[0] > 132  # its own edge first, in all ways
+    assert (
+        again.confirmation.half_step[0] > 132
+    ) != open_west  # its own edge in all ways; or the other's attempts
 
 
 def test_a_leap_that_turned_as_it_took_off_is_no_doing_of_the_time_step() -> None:
@@ -174,8 +176,9 @@ def test_a_row_of_pillars_that_takes_every_jump_right_is_no_doing_of_the_time_st
     where = level(first, *pillars, explore=SETTINGS, kill_z_m=-12.0, spawn=(-3, 0, 0.02), navmesh=NAV)
     finding, again = confirmed(where, script, "unexpected_area")
     assert finding.position[0] > 15.0, "the last pillar is not reached"
-    assert again.confirmation.half_step[0] > 132  # none of those that begin before the first
-    assert again.confirmation.half_step[1] > 0
+    attempts, succeeded = again.confirmation.half_step  # around the way that half the step found
+    assert 33 <= attempts <= 34
+    assert succeeded >= 4
     assert not again.fragile
 
 
