@@ -1,8 +1,8 @@
 """Confirmed, or not reported as a bug: every finding with a path is simulated again, and its path cut.
 
 Exactly, from its spawn; then from the last state on the nav-mesh before it: with other actions around the found ones,
-and all of that at half the physics time step, in the end also from the spawn. What half the step never shows is
-`fragile`: the time step's doing, or too close to tell from it.
+and all of that at half the physics time step, in the end also from the spawn and by a search along the way. What
+half the step does not show, or next to never, is `fragile`: the time step's doing, or too close to tell from it.
 """
 
 from __future__ import annotations

@@ -96,7 +96,8 @@ class MujocoSimulator:
         self._batch.set_state(agents, states[:, :3], states[:, 3:6])
         self._footing[agents] = states[:, 6]
         self._batch.enter_tiles(agents)
-        self._refresh(agents)
+        self._batch.touch(agents)
+        self._contacts = self._read()
 
     def save(self) -> Floats:
         """The states [B, 7] of all agents."""
@@ -144,10 +145,8 @@ class MujocoSimulator:
         force *= MASS_KG / self._dt
         force[:, 2] += MASS_KG * self.character.gravity_mps2
         self._batch.step()
-        self._contacts = self._read()
-        if self._barriers.back_out(came_from):
-            self._contacts = self._read()
-        contacts = self._contacts
+        self._barriers.back_out(came_from)
+        contacts = self._contacts = self._read()
         walked = before & ~plan.jumped
         stands = self._controller.grounded(self._velocity, contacts, walked)
         self._limit_boost(plan, walked, stands)
@@ -172,11 +171,6 @@ class MujocoSimulator:
             self._velocity[boosted, 2] = allowed[boosted]
 
     # --- contacts ---------------------------------------------------------------------------------
-
-    def _refresh(self, ids: Ints) -> None:
-        """Contacts of states that were written from outside."""
-        self._batch.touch(ids)
-        self._contacts = self._read()
 
     def _read(self) -> Contacts:
         slope_cos, radius_m = self._controller.slope_cos, self.character.radius_m

@@ -60,9 +60,8 @@ class Barriers:
         velocity[ids[onto], 2] = (floor[onto] - begin[rows[onto], 2]) / self._dt
         velocity[ids[~onto], :2] *= LOOKS[first[~onto] - 1, None]  # into its side
 
-    def back_out(self, came_from: Floats) -> bool:
-        """Put who is where it does not fit, or was halfway there, back to where it came from [B, 3]; whether contacts
-        are to be read again.
+    def back_out(self, came_from: Floats) -> None:
+        """Put who is where it does not fit, or was halfway there, back to where it came from [B, 3].
 
         Who did not fit before would stay there for ever. The corners of too narrow an opening are passed between two
         looks, and then its sides push evenly: without this a third of approaches got through 5 cm too little. To look
@@ -72,7 +71,7 @@ class Barriers:
         deep = (sensor[:, :, 1] < -DOUBTFUL_M) & (np.abs(sensor[:, :, 4]) < STEEP_NZ)
         ids = indices(deep.any(axis=1))
         if not len(ids):
-            return False
+            return
         here, there = batch.position[ids], came_from[ids]
         fits = self._comes_clear(ids)
         fast = indices(fits & (np.linalg.norm(here - there, axis=1) > FAST_M))
@@ -84,7 +83,6 @@ class Barriers:
         batch.position[ids], batch.velocity[ids[back]] = here, 0.0
         batch.position[ids[back]] = there[back]
         batch.touch(ids)
-        return bool(len(back))
 
     def _fits(self, ids: Ints, positions: Floats) -> Bools:
         """Who of agents [n] fits at `positions` [n, 3]; it is left near there."""
