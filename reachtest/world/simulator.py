@@ -19,6 +19,7 @@ from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.walking import STICK_DIRECTIONS
 from reachtest.world.controller import Contacts, Controller, Plan, Stick, read_contacts
 from reachtest.world.footwork import OVERLAP_M, Footwork
+from reachtest.world.landing import Landings
 from reachtest.world.model import MASS_KG
 from reachtest.world.terrain import split_terrain
 from reachtest.world.tiled_batch import TiledBatch
@@ -54,6 +55,7 @@ class MujocoSimulator:
         )
         self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, columns)
         self._barriers = Barriers(self._batch, columns, self._dt)
+        self._landings = Landings(self._batch, self._controller.slope_cos, level.character.radius_m)
         self._ticks_to_land = np.ceil(STEP_S / self._dt)
         self._footing = np.zeros(agents)
         self.use(agents)
@@ -146,6 +148,7 @@ class MujocoSimulator:
         force[:, 2] += MASS_KG * self.character.gravity_mps2
         self._batch.step()
         self._barriers.back_out(came_from)
+        self._landings.correct(~before, came_from, plan.velocity)
         contacts = self._contacts = self._read()
         walked = before & ~plan.jumped
         stands = self._controller.grounded(self._velocity, contacts, walked)
