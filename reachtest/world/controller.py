@@ -25,6 +25,7 @@ FLUSH_M = 0.002  # an edge this little above the ground one stands on is part of
 LEANING_NXY = 0.1  # a normal with less of a horizontal part is a floor's, wherever its point is
 WALL_NZ = 0.1  # a normal with less of a vertical part is a wall's
 HIDDEN_M = 0.01  # ground that is no farther in front of a wall is the wall's
+GROOVE_NZ = 0.2  # a normal with less of a vertical part carries nobody
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 
 
@@ -114,6 +115,7 @@ class Controller:
     def __init__(self, character: Character, timestep_s: float) -> None:
         self.character = c = character
         self.slope_cos = float(np.cos(np.radians(c.slope_limit_deg)))
+        self._slope_sin = float(np.sin(np.radians(c.slope_limit_deg)))
         self._g_dt = c.gravity_mps2 * timestep_s
         self._rule = Walk.of(c, timestep_s)
         self._air_push = c.air_control * c.acceleration_mps2 * timestep_s
@@ -141,13 +143,33 @@ class Controller:
         return Plan(target, uncut, jumped)
 
     def grounded(self, velocity: Floats, contacts: Contacts, before: Bools) -> Bools:
-        """Who stands [B]: touches something walkable without moving away from it, or kept touching it."""
+        """Who stands [B]: touches something walkable without moving away from it, or kept touching it, or rests in
+        a groove."""
         touches: Bools = np.asarray(contacts.walkable.any(axis=1))
         unsure = indices(touches & ~before)
         if len(unsure):
             leaving = (contacts.normals[unsure] * velocity[unsure, None, :]).sum(axis=2)
             touches[unsure] = (contacts.walkable[unsure] & (leaving < LEAVING_MPS)).any(axis=1)
+        resting = contacts.ids[~touches[contacts.ids] & (np.abs(velocity[contacts.ids, 2]) < LEAVING_MPS)]
+        if len(resting):
+            touches[resting] = self._in_groove(contacts.normals[resting])
         return touches
+
+    def _in_groove(self, normals: Floats) -> Bools:
+        """Who [n] of contact `normals` [n, K, 3] is carried by two sides of a level groove, none of them walkable: the
+        edges of a gap that is too narrow, the foot of two roofs. From there one may jump (Unreal's PhysFalling, which
+        calls it a ditch). Along a wall there is none: the joints of its blocks would be one."""
+        rises = normals[:, :, 2]
+        carries, wall = rises > GROOVE_NZ, (rises < WALL_NZ) & (normals[:, :, :2] != 0.0).any(axis=2)
+        result: Bools = np.asarray((carries.sum(axis=1) > 1) & ~wall.any(axis=1), dtype=np.bool_)
+        rows = indices(result)
+        if len(rows):
+            sides = np.where(carries[rows, :, None], normals[rows], 0.0)
+            along = np.cross(sides[:, :, None], sides[:, None])
+            level = np.abs(along[..., 2]) <= self._slope_sin * np.linalg.norm(along, axis=3)
+            opposed = sides @ sides.transpose(0, 2, 1) < 0.0
+            result[rows] = (opposed & level).any(axis=(1, 2))
+        return result
 
     def _walk(self, flat: Floats, stick: Stick) -> Floats:
         """Ground velocity [B, 2]: towards the stick, or braking."""

@@ -21,15 +21,16 @@ DOUBTFUL_M = 0.009  # so deep in a side one may be in an opening that is 2 cm to
 CLEAR_M = 0.005  # less deep in something is beside it
 FAST_M = 0.22  # farther in a tick one may be past the narrowest place of a thin wall
 STEEP_NZ = 0.3  # a normal with less of a vertical part is a side's
+LIFTED = 0.2  # of the way to and fro between two sides: they are edges that push up
 MOVES_OUT = 5  # one after the other, out of what one is deepest in: enough for a corner, in vain in a slot
 
 
 class Barriers:
     """Keeps the characters of a batch on their side of floors and walls."""
 
-    def __init__(self, batch: TiledBatch, columns: ColumnIndex, timestep_s: float) -> None:
-        """`columns` tells where there are floors."""
-        self._batch, self._columns, self._dt = batch, columns, timestep_s
+    def __init__(self, batch: TiledBatch, columns: ColumnIndex, slope_cos: float, timestep_s: float) -> None:
+        """`columns` tells where there are floors; what is walkable has a normal z of at least `slope_cos`."""
+        self._batch, self._columns, self._slope_cos, self._dt = batch, columns, slope_cos, timestep_s
 
     def stop_at_floors(self, velocity: Floats) -> None:
         """No fall into or through a floor: who would fall past one within the tick falls onto it; `velocity` [B, 3]
@@ -68,32 +69,36 @@ class Barriers:
         only as one gets into a side saves a tenth of the time and lets through who slides along it.
         """
         batch, sensor = self._batch, self._batch.sensor
-        deep = (sensor[:, :, 1] < -DOUBTFUL_M) & (np.abs(sensor[:, :, 4]) < STEEP_NZ)
+        rises = -sensor[:, :, 4]
+        deep = (sensor[:, :, 1] < -DOUBTFUL_M) & (rises > -STEEP_NZ) & (rises < self._slope_cos)
         ids = indices(deep.any(axis=1))
         if not len(ids):
             return
         here, there = batch.position[ids], came_from[ids]
-        fits = self._comes_clear(ids)
+        fits, squeezed = self._comes_clear(ids)
+        here = np.where(squeezed[:, None], batch.position[ids], here)
         fast = indices(fits & (np.linalg.norm(here - there, axis=1) > FAST_M))
         if len(fast):
             fits[fast] = self._fits(ids[fast], (here[fast] + there[fast]) / 2)
         back = indices(~fits)
         if len(back):
             back = back[self._fits(ids[back], there[back])]
-        batch.position[ids], batch.velocity[ids[back]] = here, 0.0
-        batch.position[ids[back]] = there[back]
+        batch.position[ids], batch.velocity[ids[squeezed]] = here, 0.0
+        batch.position[ids[back]], batch.velocity[ids[back]] = there[back], 0.0
         batch.touch(ids)
 
     def _fits(self, ids: Ints, positions: Floats) -> Bools:
         """Who of agents [n] fits at `positions` [n, 3]; it is left near there."""
         self._batch.position[ids] = positions
         self._batch.touch(ids)
-        return self._comes_clear(ids)
+        return self._comes_clear(ids)[0]
 
-    def _comes_clear(self, ids: Ints) -> Bools:
-        """Who of agents [n] comes clear of everything when moved out of what it is in; it is left there."""
+    def _comes_clear(self, ids: Ints) -> tuple[Bools, Bools]:
+        """Who of agents [n] comes clear of everything when moved out of what it is in, where it is left, and who of
+        them is lifted out of a gap by both its edges."""
         batch = self._batch
         result, trying = np.zeros(len(ids), dtype=np.bool_), np.arange(len(ids))
+        began, sideways = batch.position[ids], np.zeros(len(ids))
         for moves in range(MOVES_OUT + 1):
             deepest = batch.sensor[ids[trying], 0]
             clear = (deepest[:, 0] == 0) | (deepest[:, 1] > -CLEAR_M)
@@ -101,6 +106,10 @@ class Barriers:
             trying, deepest = trying[~clear], deepest[~clear]
             if not len(trying) or moves == MOVES_OUT:
                 break
-            batch.position[ids[trying]] += deepest[:, 1:2] * deepest[:, 2:]
+            out = deepest[:, 1:2] * deepest[:, 2:]
+            sideways[trying] += np.hypot(out[:, 0], out[:, 1])
+            batch.position[ids[trying]] += out
             batch.touch(ids[trying])
-        return result
+        moved = batch.position[ids] - began
+        opposed = 2.0 * np.hypot(moved[:, 0], moved[:, 1]) < sideways
+        return result, result & opposed & (moved[:, 2] > LIFTED * sideways)
