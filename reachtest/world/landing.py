@@ -38,7 +38,7 @@ class Landings:
             return
         here, began = batch.position[ids].copy(), came_from[ids]
         there = self._out_of_the_side(ids)
-        clear = indices(~self._touches(ids, began))
+        clear = indices(~self._touches(ids, began, DOUBTFUL_M))
         there[clear] = self._first_touch(ids[clear], began[clear], here[clear])
         self._touches(ids, there)
         beside = ~self._on_ground(ids)
@@ -48,7 +48,7 @@ class Landings:
         batch.touch(ids)
 
     def _first_touch(self, ids: Ints, began: Floats, here: Floats) -> Floats:
-        """Where [n, 3] agents [n] that touch nothing where they `began` meet what they are in `here` [n, 3]."""
+        """Where [n, 3] agents [n] that are in nothing where they `began` meet what they are in `here` [n, 3]."""
         free, met = np.zeros((len(ids), 1)), np.ones((len(ids), 1))
         for _ in range(HALVINGS if len(ids) else 0):
             middle = (free + met) / 2
@@ -66,11 +66,11 @@ class Landings:
         there[:, :2] -= (out / np.maximum(across, LEANING_NXY))[:, None] * deepest[:, 2:4]
         return np.asarray(there, dtype=np.float64)
 
-    def _touches(self, ids: Ints, positions: Floats) -> Bools:
-        """Who of agents [n] is in something at `positions` [n, 3]; they are left there."""
+    def _touches(self, ids: Ints, positions: Floats, deeper_m: float = CLEAR_M) -> Bools:
+        """Who of agents [n] is so deep in something at `positions` [n, 3]; they are left there."""
         self._batch.position[ids] = positions
         self._batch.touch(ids)
-        return np.asarray(self._batch.deepest()[ids] < -CLEAR_M, dtype=np.bool_)
+        return np.asarray(self._batch.deepest()[ids] < -deeper_m, dtype=np.bool_)
 
     def _on_ground(self, ids: Ints) -> Bools:
         return np.asarray((-self._batch.sensor[ids, :, 4] >= self._slope_cos).any(axis=1), dtype=np.bool_)

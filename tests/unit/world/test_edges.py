@@ -1,0 +1,73 @@
+"""The edges of walls and gaps: who jumps at one, falls onto two, or rests between them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from reachtest.levels import PRESETS
+from reachtest.records import Character, Level
+from reachtest.world import MujocoSimulator
+from tests.levels import EAST, FLOOR, box, level
+
+
+def rummage(simulator: MujocoSimulator, begin: np.ndarray, steps: int, eastwards: float) -> np.ndarray:
+    """Where [N, 3] somebody stood who ran about from `begin` [n, 3] with jumps."""
+    n, rng, stood = len(begin), np.random.default_rng(0), []
+    simulator.restore(np.arange(n), simulator.place(begin))
+    for _ in range(steps):
+        stick = np.where(rng.random(n) < eastwards, EAST, rng.integers(0, 9, n))
+        result = simulator.step(np.stack([stick, rng.random(n) < 0.25], axis=1).astype(np.int8))
+        stood.append(result.stood)
+    places = np.concatenate(stood)
+    return places[np.isfinite(places[:, 0])]
+
+
+@pytest.mark.parametrize("who", PRESETS)
+@pytest.mark.parametrize("higher", [-0.04, 0.02, 0.04])
+def test_a_wall_is_climbed_as_high_as_the_round_end_gets(who: str, higher: float) -> None:
+    """At a run a capsule is 10 cm in the wall's edge before it is stopped, and seemed to stand on it."""
+    c, n = PRESETS[who], 128
+    apex = c.jump_speed_mps**2 / (2 * c.gravity_mps2)
+    top = apex + c.radius_m * (1 - np.cos(np.radians(c.slope_limit_deg))) + higher
+    rng = np.random.default_rng(1)
+    begin = np.column_stack([rng.uniform(-6, -1, n), rng.uniform(-30, 30, n), np.full(n, 0.02)])
+    simulator = MujocoSimulator(level(FLOOR, box([0, -55, 0], [3, 55, top]), character=c), n)
+    on_it = rummage(simulator, begin, 60, 0.8)[:, 2] > top - 0.2
+    assert on_it.any() if higher < 0 else not on_it.any()
+
+
+def bars(c: Character, gap: float) -> Level:
+    """A grate over nothing."""
+    pitch = gap + 0.2
+    pieces = [box([k * pitch, -60, -0.2], [k * pitch + 0.2, 60, 0]) for k in range(-60, 60)]
+    return level(*pieces, character=c, kill_z_m=-60)
+
+
+@pytest.mark.parametrize("who", PRESETS)
+@pytest.mark.parametrize("wider", [-0.1, -0.05, 0.05])
+def test_nobody_falls_through_a_grate_that_is_too_narrow(who: str, wider: float) -> None:
+    """Where the edges of a gap push up as well as together they gave way to a fall."""
+    c, n, rng = PRESETS[who], 128, np.random.default_rng(1)
+    simulator = MujocoSimulator(bars(c, 2 * c.radius_m + wider), n)
+    begin = np.column_stack([rng.uniform(-4, 4, n), rng.uniform(-20, 20, n), np.full(n, 0.1)])
+    rummage(simulator, begin, 40, 0.0)
+    fell = simulator.save()[:, 2] < -c.height_m
+    assert fell.mean() > 0.5 if wider > 0 else not fell.any()
+
+
+@pytest.mark.parametrize("who", PRESETS)
+def test_who_rests_in_a_gap_stands_and_can_jump_out(who: str) -> None:
+    c, n = PRESETS[who], 16
+    gap = 2 * c.radius_m - 0.08
+    sides = box([-30, -60, -3], [0, 60, 0]), box([gap, -60, -3], [30, 60, 0])
+    simulator = MujocoSimulator(level(*sides, character=c, kill_z_m=-60), n)
+    begin = np.column_stack([np.full(n, gap / 2), np.arange(n), np.full(n, 0.3)])
+    simulator.restore(np.arange(n), simulator.place(begin))
+    for _ in range(10):
+        result = simulator.step(np.zeros((n, 2), dtype=np.int8))
+    assert result.grounded.all()
+    assert (result.positions[:, 2] < -0.05).all()
+    rummage(simulator, result.positions, 40, 0.6)
+    out = np.abs(simulator.save()[:, 0]) > c.radius_m + gap
+    assert out.mean() > 0.5
