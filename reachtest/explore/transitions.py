@@ -88,8 +88,12 @@ class Transitions:
         return merged + fresh
 
     def cells(self, positions: Floats, lying: Bools | Literal[False] = False) -> Ints:
-        """The key [n] of the cell of each of `positions` [n, 3], for who stands or lies there [n]."""
-        cells = np.floor(positions / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64)
+        """The key [n] of the cell of each of `positions` [n, 3], for who stands or lies there [n].
+
+        They are rounded as places are kept: else one at the border of two cells comes back in the other.
+        """
+        kept = np.asarray(positions, dtype=np.float32).astype(np.float64)
+        cells = np.floor(kept / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64)
         cells[:, 2] += np.multiply(lying, _LYING)
         return pack_cells(cells)
 
