@@ -22,6 +22,8 @@ from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
 
+RADII_A_PLACE = 1.4  # side of the cells of transitions: at both sides of a wall, however thin, one is in two
+
 
 class Ledger:
     """Cached points with all that belongs to them, visits, goals and falls."""
@@ -36,7 +38,7 @@ class Ledger:
         self.archive = Archive(self.cache, spawns.shape[1], s.lanes, s.reset_interval)
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
-        self.transitions = Transitions(s.threshold_m)
+        self.transitions = Transitions(min(s.threshold_m, RADII_A_PLACE * level.character.radius_m))
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self.goals = self._all_goals(level)  # on the nav-mesh, then required points
         self.falls: list[Fall] = []

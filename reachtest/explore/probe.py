@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import JUMP_SHARE, heading_of, start_generator
-from reachtest.explore.attempts import Attempts, Front
+from reachtest.explore.attempts import Attempt, Attempts, Front
 from reachtest.explore.regions import Region, TrapFinder, Trapped
 from reachtest.explore.replay import Replayer
 from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies
@@ -21,7 +21,7 @@ from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Fall, Floats, Ints, Level, Origin, Pocket, Points
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
-ATTEMPTS_A_PLACE = 4  # more for every cell of it: a hall has many doors
+ATTEMPTS_A_PLACE = 1  # more for every cell of it: a hall has many doors
 BORDER = 16  # places of a region nearest to a way back
 NUDGE_M = 0.03  # more than a jammed contact needs, less than any ledge
 SWEEPS = 6  # rounds of an episode from every trap first: most were merely found last
@@ -29,7 +29,9 @@ LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUM
 CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
 JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
 STEPS_SHARE = 0.1  # of the run's agent steps at most are probes
-LEAST_STEPS = 100_000  # but enough for a few regions after a short run
+LEAST_STEPS = (
+    400_000  # but enough for some tens of regions after a short run: where there are none none are made
+)
 
 
 @dataclass(frozen=True)
@@ -80,9 +82,11 @@ class Prober:
             self._sweep(trapped)
             trapped = finder.find(self._transitions.graph(), trapped.suspects)
         while self._attempts.steps < self._budget and not interrupted():
-            if not (open_ := [r for r in trapped.regions if not self._done(trapped, r)]):
+            open_ = [region for region in trapped.regions if not self._done(trapped, region)]
+            if not open_:
                 break
             tell("looking for pockets", len(trapped.regions) - len(open_) + 1, len(trapped.regions))
+            open_.sort(key=lambda region: len(self._tried(trapped, region)))  # what is none falls away early
             self._besiege(trapped, open_[: max(1, few)])
             trapped = finder.find(self._transitions.graph(), trapped.suspects)
         pockets = [
@@ -165,12 +169,15 @@ class Prober:
     # --- what is left -----------------------------------------------------------------------------
 
     def _done(self, trapped: Trapped, region: Region) -> bool:
-        attempts = self._attempts.of(trapped.graph.keys[region.rows])
-        return len(attempts) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
+        return len(self._tried(trapped, region)) >= ATTEMPTS + ATTEMPTS_A_PLACE * len(region.rows)
+
+    def _tried(self, trapped: Trapped, region: Region) -> list[Attempt]:
+        """The attempts that began in a region."""
+        return self._attempts.of(trapped.graph.keys[region.rows])
 
     def _pocket(self, trapped: Trapped, region: Region, points: Points) -> Pocket:
         graph = trapped.graph
-        attempts = self._attempts.of(graph.keys[region.rows])
+        attempts = self._tried(trapped, region)
         cells = np.unique(np.concatenate([attempt.cells for attempt in attempts]))
         inside = np.isin(self._transitions.cells(points.positions), graph.keys[region.core])
         arrival = int(self._known(trapped, region)[0])
