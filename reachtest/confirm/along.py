@@ -21,7 +21,7 @@ from reachtest.records import Floats
 
 ROUNDS = 12
 LANES = 64  # a round
-MOST_STEPS = 250_000  # of a finding: about 15 s
+MOST_STEPS = 250_000  # of a finding [agent steps]: about 15 s
 KEPT = 4  # states for each step of the way: more than one, for one may be stuck
 NEAR_M = 1.5  # of a found state, as states differ (see `_Archive.add`), or it is none of the way
 FRONT = 6  # steps of the way that half of the lanes go on from: the last that were reached
@@ -83,15 +83,17 @@ def search_along(
     judge: Judge,
     rng: np.random.Generator,
     times: int,
+    most_steps: int,
     pause: Callable[[], None],
 ) -> tuple[int, Trial | None]:
     """The attempts, and the first of them that came to the outcome of `way`, if one did.
 
-    It begins anew up to `times`, for what was kept early may lead nowhere. `pause` is called now and then.
+    It begins anew up to `times`, for what was kept early may lead nowhere, in `most_steps` agent steps or so.
+    `pause` is called now and then.
     """
     attempts = 0
-    affordable = max(MOST_STEPS // (LANES * len(way.trial)), 1)
-    for number in range(min(times * ROUNDS, affordable)):
+    rounds = min(most_steps, MOST_STEPS) // (LANES * len(way.trial))
+    for number in range(min(times * ROUNDS, rounds)):
         if number % ROUNDS == 0:
             archive = _Archive(way, simulator.step_s)
         drawn = archive.draw(rng)

@@ -24,7 +24,7 @@ ATTEMPTS = 256  # episodes that try to leave a region before it is called one wi
 ATTEMPTS_A_PLACE = 1  # more for every cell of it: a hall has many doors
 BORDER = 16  # places of a region nearest to a way back
 NUDGE_M = 0.03  # more than a jammed contact needs, less than any ledge
-SWEEPS = 6  # rounds of an episode from every trap first: most were merely found last
+SWEEPS = 24  # rounds of an episode from every trap first: most were merely found last
 LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUMPS
 CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
 JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
@@ -103,8 +103,10 @@ class Prober:
         rows = np.array([rng.choice(self._known(trapped, region)) for region in trapped.regions * often])
         for begin in range(0, len(rows), agents):
             front = self._front(trapped, rows[begin : begin + agents])
-            jumps = np.array(JUMPS)[rng.integers(1, len(JUMPS), len(front.states))]
-            self._attempts.run(front, self._back(trapped, front), jumps)
+            count = len(front.states)
+            anywhere = rng.integers(1, 9, count)  # what is nearest may be behind a wall
+            headings = np.where(rng.random(count) < 0.5, self._back(trapped, front), anywhere)
+            self._attempts.run(front, headings, np.array(JUMPS)[rng.integers(1, len(JUMPS), count)])
 
     def _besiege(self, trapped: Trapped, regions: list[Region]) -> None:
         """Episodes from all over the regions in all directions, and on from where they ended."""
