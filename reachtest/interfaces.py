@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -63,6 +64,9 @@ class Replayer(Protocol):
 
     def path_to_fall(self, fall: Fall) -> ReplayPath:
         """The way from a spawn out of the world."""
+
+    def flights(self, falls: Sequence[Fall]) -> list[Floats]:
+        """Where each of `falls` [m] went [n, 3] from where it stood last, as far as its last episode tells."""
 
 
 class Observer(Protocol):

@@ -22,7 +22,9 @@ from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Surface
 from reachtest.records import Bools, Candidates, EndReason, Fall, Floats, Ints, Level, Origin
 
-RADII_A_PLACE = 1.4  # side of the cells of transitions: at the two sides of a wall, however thin, one is in two
+RADII_A_PLACE = (
+    1.4  # side of the cells of transitions: at the two sides of a wall, however thin, one is in two
+)
 
 
 class Ledger:

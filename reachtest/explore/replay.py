@@ -57,6 +57,15 @@ class Replayer:
         """The way from a spawn out of the world; succeeded if it fell at the same place, bit for bit."""
         return self._path(fall.origin, fall.position)
 
+    def flights(self, falls: Sequence[Fall]) -> list[Floats]:
+        """Where each of `falls` [m] went [n, 3] from where it stood last, as far as its last episode tells."""
+        flights = []
+        for fall, episode in zip(falls, self.simulate([fall.origin for fall in falls]), strict=True):
+            stood = np.flatnonzero(np.isfinite(episode.stood[:, 0]))
+            since = int(stood[-1]) + 1 if len(stood) else 0
+            flights.append(np.concatenate([fall.footing[None], episode.states[since:, :3]]))
+        return flights
+
     def check(self) -> None:
         """Re-simulate a sample of the cached points.
 

@@ -19,10 +19,11 @@ from reachtest.findings.rims import join_rims
 from reachtest.findings.spaces import Space, join_spaces
 from reachtest.findings.void import Void
 from reachtest.findings.walls import Walls
-from reachtest.records import Bools, Fall, Floats, Ints, Level
+from reachtest.records import Bools, Floats, Ints
 
 LINK_M = 4.0  # exits and areas closer than this are one bug: a little more than "expected" reaches
 _SAME_M = 0.5  # who stands so near to where they were expected last fell off what is expected
+_BENT = 512  # falls whose way is simulated again because it was not straight: about a second
 _SAMPLES = 17  # of a way: a metre or less of a jump apart
 
 
@@ -38,7 +39,7 @@ def escapes(evidence: Evidence) -> list[Cluster]:
     exits = _anchors(points.exit_point[chosen], points.positions[chosen])
     footings = np.array([fall.footing for fall in falls]).reshape(-1, 3)
     left = _anchors(np.array([fall.exit_point for fall in falls]).reshape(-1, 3), footings)
-    fall_group, edges = _fall_groups(evidence.level, falls, footings, left)
+    fall_group, edges = _fall_groups(evidence, footings, left)
     group = _point_groups(exits, points.grounded[chosen], left, fall_group)
     count = int(max(group.max(initial=-1), fall_group.max(initial=-1))) + 1
     beyond = np.linalg.norm(footings - left, axis=1) >= _SAME_M  # they fell off what is off the nav-mesh
@@ -63,10 +64,9 @@ def escapes(evidence: Evidence) -> list[Cluster]:
     return clusters
 
 
-def _fall_groups(
-    level: Level, falls: tuple[Fall, ...], footings: Floats, left: Floats
-) -> tuple[Ints, Floats]:
+def _fall_groups(evidence: Evidence, footings: Floats, left: Floats) -> tuple[Ints, Floats]:
     """A number [m] for each bug that falls show, and where each of them left the nav-mesh [m, 3]."""
+    level, falls = evidence.level, evidence.exploration.falls
     number = np.full(len(falls), -1, dtype=np.int64)
     if not falls:
         return number, left
@@ -75,6 +75,10 @@ def _fall_groups(
     over = void.entries(footings, ends)
     over[Walls(level.collision).behind(footings, over, level.character)] = np.nan  # it bounced
     at_once = np.linalg.norm(footings - left, axis=1) < _SAME_M
+    bent = np.flatnonzero(at_once & np.isnan(over[:, 0]))
+    some = bent[np.unique(np.linspace(0, len(bent) - 1, min(len(bent), _BENT)).astype(int))]
+    flights = evidence.replayer.flights([falls[i] for i in some])
+    over[some] = np.array([void.crossed(way) for way in flights]).reshape(-1, 3)
     _where_others_fell(over, at_once & np.isnan(over[:, 0]), footings, ends)
     direct = at_once & ~np.isnan(over[:, 0])
     edges = np.where(direct[:, None], over, left)

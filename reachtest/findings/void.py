@@ -52,3 +52,19 @@ class Void:
             begin += _STRETCH_M
             left = left[~void.any(axis=1) & (far[left] >= begin)]
         return result
+
+    def crossed(self, way: Floats) -> Floats:
+        """Where a fall crossed an edge [3] on its `way` [n, 3] from the last footing on: the first void on it, as high
+        as the floor before; NaN if it only ever was over a floor."""
+        far = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+        steps = np.arange(0.0, far[-1] + _SPACING_M, _SPACING_M)
+        places = np.stack([np.interp(steps, far, way[:, axis]) for axis in range(3)], axis=1)
+        void = self.holds(places)
+        if not void.any():
+            return np.full(3, np.nan)
+        first = int(void.argmax())
+        floor, _ = self.columns.highest(
+            places[max(first - 1, 0)][None], places[0, 2] - self._kill_z, self._up_m
+        )
+        height = floor[0] if np.isfinite(floor[0]) else way[0, 2]
+        return np.append(places[first, :2], height)

@@ -37,6 +37,9 @@ class Paths:
     def path_to_fall(self, fall):
         return self.path_to_point(0)
 
+    def flights(self, falls):
+        return [fall.footing[None] for fall in falls]
+
 
 def exploration(points=(), falls=(), goals=(), reached=(), required=(), **changes) -> Exploration:
     """`points` are (position, exit or None, grounded); an exit makes a point unexpected."""

@@ -65,6 +65,20 @@ def test_who_bounces_off_the_wall_of_a_hole_shows_the_same_hole() -> None:
     assert (np.abs(finding.exits[:, :2] - [7, 4]) < 1.3).all()  # at its edges
 
 
+def test_the_way_of_a_fall_that_bounced_shows_its_edge() -> None:
+    """Nobody else fell there, and it ends below the floor behind it."""
+
+    class Ways(Paths):
+        def flights(self, falls):
+            (fall,) = falls
+            return [np.array([fall.footing, [7.6, 4, -0.3], [6.5, 4, -4], [2, 4, -20], fall.position])]
+
+    where = level(*floor_with_holes((6, 3, 8, 5)), kill_z_m=KILL_Z)
+    bounced = Fall(Origin(-1, 0, 0, 0, 9), np.array([-5.0, 4.0, KILL_Z - 1]), *[np.array([5.5, 4.0, 0])] * 2)
+    (finding,) = [f for f in find(where, exploration(falls=[bounced]), Ways()) if f.kind[0] == "f"]
+    np.testing.assert_allclose(finding.exit_point, [6.1, 4, 0], atol=0.2)
+
+
 @pytest.mark.parametrize(("height", "bugs"), [(3.0, 1), (0.6, 2)])
 def test_no_fall_went_through_a_wall_on_its_straight_way(height: float, bugs: int) -> None:
     """He slid along the fence and through its gap; over a low one he jumped where nobody else did."""
