@@ -92,7 +92,7 @@ def search_along(
     `pause` is called now and then.
     """
     attempts = 0
-    rounds = min(most_steps, MOST_STEPS) // (LANES * len(way.trial))
+    rounds = max(min(most_steps, MOST_STEPS) // (LANES * len(way.trial)), int(most_steps > 0))
     for number in range(min(times * ROUNDS, rounds)):
         if number % ROUNDS == 0:
             archive = _Archive(way, simulator.step_s)

@@ -22,7 +22,10 @@ from reachtest.records import Level
 # late. Not of pockets: who is on the way through one would do.
 EARLIER_STEPS = (4, 16)
 SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of those tried together: about 3 s each
-SEARCH_SHARE = 0.25  # of the run's agent steps at most are searches, those for what gates first
+SEARCH_SHARE = (
+    0.25  # of the run's agent steps at most are searches, or LEAST_SEARCHED; what gates comes first
+)
+LEAST_SEARCHED = 4 * MOST_STEPS  # a minute
 AGAIN = 0.1  # of the attempts around what the search found: less is the half step's own rounding
 RARELY = 1 / 200  # of the attempts: what half the step shows no oftener it does not show
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
@@ -55,7 +58,7 @@ class Retries:
         """
         self._level, self._simulator, self._simulate = level, simulator, simulate
         self._judge, self._rng, self._pause = judge, rng, pause
-        self._steps_left = max(MOST_STEPS, int(SEARCH_SHARE * level.explore.steps))
+        self._steps_left = max(LEAST_SEARCHED, int(SEARCH_SHARE * level.explore.steps))
 
     def nearby(self, ways: Sequence[Way], count: int) -> list[Tries]:
         """`count` attempts at each way at the step it was found with."""
@@ -78,11 +81,11 @@ class Retries:
             for row, (attempts, succeeded) in zip(missing, more, strict=True):
                 tries[row] = (tries[row][0] + attempts, succeeded)
         searches = int(np.clip(ALL_SEARCHES // max(len(_missing(tries)), 1), 1, SEARCHES))
-        for row in [row for row in _missing(tries) if loose[row].outcome.standing is None]:
+        rows = [row for row in _missing(tries) if loose[row].outcome.standing is None]
+        for number, row in enumerate(rows):
             way = self._earlier(loose[row], EARLIER_STEPS[-1])
-            attempts, trial = search_along(
-                way, finer, self._judge, self._rng, searches, self._steps_left, self._pause
-            )
+            share = max(self._steps_left, 0) // (len(rows) - number)
+            attempts, trial = search_along(way, finer, self._judge, self._rng, searches, share, self._pause)
             self._steps_left -= attempts * len(way.trial)
             tries[row] = (tries[row][0] + attempts, int(trial is not None))
             if trial is not None:

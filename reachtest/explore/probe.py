@@ -22,13 +22,13 @@ from reachtest.records import Bools, Fall, Floats, Ints, Level, Origin, Pocket, 
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
 ATTEMPTS_A_PLACE = 1  # more for every cell of it: a hall has many doors
-BORDER = 16  # places of a region nearest to a way back
+BORDER = 64  # places of a region nearest to a way back
 NUDGE_M = 0.03  # more than a jammed contact needs, less than any ledge
 SWEEPS = 24  # rounds of an episode from every trap first: most were merely found last
 LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUMPS
 CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
 JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
-STEPS_SHARE = 0.1  # of the run's agent steps at most are probes
+STEPS_SHARE = 0.1  # of the run's agent steps at most are probes, or LEAST_STEPS
 LEAST_STEPS = (
     400_000  # but enough for some tens of regions after a short run: where there are none none are made
 )

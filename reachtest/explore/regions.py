@@ -19,8 +19,8 @@ from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
 
 STUCK_M = 4.0  # a trap no part of which is farther along the axes holds the character; cells add up to one
-SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has one at every metre
-BESIDE_M = 1.0  # a cell or so beside a spawn is at the spawn
+SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has many
+BESIDE_M = 1.0  # so far beside a spawn is at the spawn
 STAND_M = 0.35  # a spawn stands so near its ground
 Connection = Literal["weak", "strong"]
 WAYS: Connection = "weak"

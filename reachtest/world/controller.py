@@ -26,6 +26,7 @@ LEANING_NXY = 0.1  # a normal with less of a horizontal part is a floor's, where
 WALL_NZ = 0.1  # a normal with less of a vertical part is a wall's
 HIDDEN_M = 0.01  # ground that is no farther in front of a wall is the wall's
 GROOVE_NZ = 0.2  # a normal with less of a vertical part carries nobody
+GROOVE_RISE = 0.05  # sine: in one that rises more one slides
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 
 
@@ -115,7 +116,6 @@ class Controller:
     def __init__(self, character: Character, timestep_s: float) -> None:
         self.character = c = character
         self.slope_cos = float(np.cos(np.radians(c.slope_limit_deg)))
-        self._slope_sin = float(np.sin(np.radians(c.slope_limit_deg)))
         self._g_dt = c.gravity_mps2 * timestep_s
         self._rule = Walk.of(c, timestep_s)
         self._air_push = c.air_control * c.acceleration_mps2 * timestep_s
@@ -166,7 +166,7 @@ class Controller:
         if len(rows):
             sides = np.where(carries[rows, :, None], normals[rows], 0.0)
             along = np.cross(sides[:, :, None], sides[:, None])
-            level = np.abs(along[..., 2]) <= self._slope_sin * np.linalg.norm(along, axis=3)
+            level = np.abs(along[..., 2]) <= GROOVE_RISE * np.linalg.norm(along, axis=3)
             opposed = sides @ sides.transpose(0, 2, 1) < 0.0
             result[rows] = (opposed & level).any(axis=(1, 2))
         return result

@@ -16,7 +16,8 @@ from reachtest.world.controller import LEANING_NXY
 from reachtest.world.tiled_batch import TiledBatch
 from reachtest.world.tunnelling import CLEAR_M, DOUBTFUL_M
 
-HALVINGS = 5  # of the way of a tick, down to 3 mm
+HALVINGS = 5  # of the way of a tick: 6 mm are left at a run
+SLIDING_M = 0.002  # no deeper one only slides along what one was in before
 
 
 class Landings:
@@ -36,23 +37,27 @@ class Landings:
         ids = indices(flew & (leaning & (batch.sensor[:, :, 1] < -DOUBTFUL_M)).any(axis=1))
         if not len(ids):
             return
-        here, began = batch.position[ids].copy(), came_from[ids]
+        here, began, deepest = batch.position[ids].copy(), came_from[ids], self._depth(ids)
         there = self._out_of_the_side(ids)
-        clear = indices(~self._touches(ids, began, DOUBTFUL_M))
-        there[clear] = self._first_touch(ids[clear], began[clear], here[clear])
-        self._touches(ids, there)
-        beside = ~self._on_ground(ids)
+        before = self._depth(ids, began)
+        clear = indices(before < DOUBTFUL_M)
+        there[clear] = self._first_touch(ids[clear], began[clear], here[clear], before[clear])
+        self._depth(ids, there)
+        beside = (-batch.sensor[ids, :, 4] < self._slope_cos).all(axis=1)
         there[clear, 2] = np.maximum(there, here)[clear, 2]  # who rises goes on rising
+        beside &= self._depth(ids, there) <= deepest
         batch.position[ids] = np.where(beside[:, None], there, here)
         batch.velocity[ids[beside]] = planned[ids[beside]]
         batch.touch(ids)
 
-    def _first_touch(self, ids: Ints, began: Floats, here: Floats) -> Floats:
-        """Where [n, 3] agents [n] that are in nothing where they `began` meet what they are in `here` [n, 3]."""
+    def _first_touch(self, ids: Ints, began: Floats, here: Floats, before: Floats) -> Floats:
+        """Where [n, 3] agents [n] that were hardly in anything where they `began`, no deeper than `before` [n], get
+        deeper on their way to `here` [n, 3]."""
         free, met = np.zeros((len(ids), 1)), np.ones((len(ids), 1))
+        touch = np.maximum(before + SLIDING_M, CLEAR_M)
         for _ in range(HALVINGS if len(ids) else 0):
             middle = (free + met) / 2
-            touches = self._touches(ids, began + middle * (here - began))[:, None]
+            touches = (self._depth(ids, began + middle * (here - began)) > touch)[:, None]
             free, met = np.where(touches, free, middle), np.where(touches, middle, met)
         return np.asarray(began + met * (here - began), dtype=np.float64)
 
@@ -66,11 +71,10 @@ class Landings:
         there[:, :2] -= (out / np.maximum(across, LEANING_NXY))[:, None] * deepest[:, 2:4]
         return np.asarray(there, dtype=np.float64)
 
-    def _touches(self, ids: Ints, positions: Floats, deeper_m: float = CLEAR_M) -> Bools:
-        """Who of agents [n] is so deep in something at `positions` [n, 3]; they are left there."""
-        self._batch.position[ids] = positions
-        self._batch.touch(ids)
-        return np.asarray(self._batch.deepest()[ids] < -deeper_m, dtype=np.bool_)
-
-    def _on_ground(self, ids: Ints) -> Bools:
-        return np.asarray((-self._batch.sensor[ids, :, 4] >= self._slope_cos).any(axis=1), dtype=np.bool_)
+    def _depth(self, ids: Ints, positions: Floats | None = None) -> Floats:
+        """How deep [n] agents [n] are in what they are deepest in, at `positions` [n, 3] if given, where they are left;
+        negative outside of everything."""
+        if positions is not None:
+            self._batch.position[ids] = positions
+            self._batch.touch(ids)
+        return -self._batch.deepest()[ids]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from reachtest.levels import PRESETS
-from reachtest.records import Character, Level
+from reachtest.records import Character, ExploreSettings, Level
 from reachtest.world import MujocoSimulator
-from tests.levels import EAST, FLOOR, box, level
+from tests.levels import EAST, FLOOR, NORTH_EAST, box, level
 
 
 def rummage(simulator: MujocoSimulator, begin: np.ndarray, steps: int, eastwards: float) -> np.ndarray:
@@ -71,3 +71,45 @@ def test_who_rests_in_a_gap_stands_and_can_jump_out(who: str) -> None:
     rummage(simulator, result.positions, 40, 0.6)
     out = np.abs(simulator.save()[:, 0]) > c.radius_m + gap
     assert out.mean() > 0.5
+
+
+def test_nobody_hovers_beside_a_wall() -> None:
+    """Who slid along a wall, some millimetres in it, was held up by an edge beside it for half a second."""
+    c, n = PRESETS["godot"], 256
+    apex = c.jump_speed_mps**2 / (2 * c.gravity_mps2)
+    blocks = [box([k * 2.0, -0.6, 0], [k * 2.0 + 1, 0, apex - 0.1 - 0.1 * (k % 3)]) for k in range(-12, 12)]
+    explore = ExploreSettings(action_repeat=1)
+    where = level(FLOOR, *blocks, box([-40, 0, 0], [40, 1, 8]), character=c, explore=explore)
+    simulator, rng = MujocoSimulator(where, n), np.random.default_rng(1)
+    begin = np.column_stack([rng.uniform(-20, 20, n), rng.uniform(-3, -1, n), np.full(n, 0.02)])
+    simulator.restore(np.arange(n), simulator.place(begin))
+    held = longest = np.zeros(n)
+    before = simulator.save()
+    for tick in range(200):
+        if tick % 4 == 0:
+            stick = np.where(rng.random(n) < 0.5, NORTH_EAST, rng.integers(0, 9, n))
+            actions = np.stack([stick, rng.random(n) < 0.3], axis=1).astype(np.int8)
+        simulator.step(actions)
+        after = simulator.save()
+        speed = np.linalg.norm(after[:, 3:6], axis=1)
+        moved = np.linalg.norm(after[:, :3] - before[:, :3], axis=1) * where.explore.physics_hz
+        hovers = (after[:, 6] == 0) & (before[:, 6] == 0) & (speed > 1.5) & (moved < speed / 5)
+        held = np.where(hovers, held + 1, 0)
+        longest, before = np.maximum(longest, held), after
+    assert longest.max() <= 2
+
+
+def test_who_lands_in_a_rising_gully_slides_down_it() -> None:
+    """Two sides too steep to stand on carry only in a level groove."""
+    n, rise = 16, np.tan(np.radians(20))
+    a, b = [0, -30, 0], [0, 30, 60 * rise]
+    sides = [[[x, y, z + 20] for x, (_, y, z) in ((x, a), (x, b))] for x in (-11.5, 11.5)]
+    gully = np.array([[a, b, sides[0][1]], [a, sides[0][1], sides[0][0]], [a, sides[1][1], b]], dtype=float)
+    gully = np.concatenate([gully, np.array([[a, sides[1][0], sides[1][1]]], dtype=float)])
+    simulator = MujocoSimulator(level(gully, kill_z_m=-60), n)
+    y = np.linspace(0, 20, n)
+    begin = np.column_stack([np.zeros(n), y, (y + 30) * rise + 0.7])
+    simulator.restore(np.arange(n), simulator.place(begin))
+    for _ in range(40):
+        simulator.step(np.zeros((n, 2), dtype=np.int8))
+    assert (simulator.save()[:, 1] < y - 5).all()
