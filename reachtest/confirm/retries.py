@@ -22,9 +22,7 @@ from reachtest.records import Level
 # late. Not of pockets: who is on the way through one would do.
 EARLIER_STEPS = (4, 16)
 SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of those tried together: about 3 s each
-SEARCH_SHARE = (
-    0.25  # of the run's agent steps at most are searches, or LEAST_SEARCHED; what gates comes first
-)
+SEARCH_SHARE = 0.25  # of the run's steps at most are searches, or LEAST_SEARCHED; what gates comes first
 LEAST_SEARCHED = 4 * MOST_STEPS  # a minute
 AGAIN = 0.1  # of the attempts around what the search found: less is the half step's own rounding
 RARELY = 1 / 200  # of the attempts: what half the step shows no oftener it does not show

@@ -29,9 +29,7 @@ LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUM
 CHAIN = 4  # episodes that go on from each other's end: out of a maze takes longer than one
 JUMPS = (0.0, JUMP_SHARE, 0.5, 0.9)  # shares of the holds: walking, as usual, and on purpose
 STEPS_SHARE = 0.1  # of the run's agent steps at most are probes, or LEAST_STEPS
-LEAST_STEPS = (
-    400_000  # but enough for some tens of regions after a short run: where there are none none are made
-)
+LEAST_STEPS = 400_000  # enough for some tens of regions after a short run; where there are none few are made
 
 
 @dataclass(frozen=True)

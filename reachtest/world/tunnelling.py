@@ -64,7 +64,8 @@ class Barriers:
     def back_out(self, came_from: Floats) -> None:
         """Put who is where it does not fit, or was halfway there, back to where it came from [B, 3].
 
-        Who did not fit before would stay there for ever. The corners of too narrow an opening are passed between two
+        Who did not fit before would stay there for ever. Who is held up by both edges of a gap rests where it is clear
+        of them: the contacts alone pushed it up too late. The corners of too narrow an opening are passed between two
         looks, and then its sides push evenly: without this a third of approaches got through 5 cm too little. To look
         only as one gets into a side saves a tenth of the time and lets through who slides along it.
         """
