@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from reachtest.confirm import retries
 from reachtest.confirm.confirmer import Confirmer
 from reachtest.confirm.shorten import pursuits
 from reachtest.confirm.trials import Lane, run_lanes
@@ -90,6 +91,13 @@ def test_an_open_edge_is_confirmed_in_every_way() -> None:
     assert not again.fragile
 
 
+@pytest.fixture
+def short_searches(monkeypatch) -> None:
+    """In vain they are as long as they may be."""
+    monkeypatch.setattr(retries, "LEAST_SEARCHED", 12_000)
+
+
+@pytest.mark.usefixtures("short_searches")
 @pytest.mark.parametrize("walled", [True, False])
 def test_a_wall_that_only_the_coarse_step_passes_is_fragile(walled) -> None:
     """18 m/s is 0.6 m a tick at 30 Hz, nearly as much as a thin wall and the capsule measure together."""
@@ -111,6 +119,7 @@ def test_a_wall_that_only_the_coarse_step_passes_is_fragile(walled) -> None:
     assert again.gating == (not walled)
 
 
+@pytest.mark.usefixtures("short_searches")
 @pytest.mark.parametrize("open_west", [True, False])
 def test_what_half_the_step_shows_over_another_part_of_the_edge_is_not_fragile(open_west) -> None:
     """East of the wall only the coarse step gets; what one falls off in the west is an edge for everybody."""
