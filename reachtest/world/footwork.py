@@ -79,7 +79,7 @@ class Footwork:
         kept = batch.position[ids]
         batch.position[ids] = positions
         batch.touch(ids)
-        free = batch.deepest()[ids] > -OVERLAP_M
+        free = batch.deepest(ids) > -OVERLAP_M
         batch.position[ids] = kept
         batch.touch(ids[~free])
         return np.asarray(free, dtype=np.bool_)
@@ -92,7 +92,7 @@ class Footwork:
         kept = batch.position[ids], batch.velocity[ids]
         batch.position[ids], batch.velocity[ids] = positions, velocities
         batch.touch(ids)
-        free = batch.deepest()[ids] > -OVERLAP_M
+        free = batch.deepest(ids) > -OVERLAP_M
         if on_ground:
             free &= (batch.sensor[ids, :, 4] <= -self._slope_cos).any(axis=1)
         back = ids[~free]

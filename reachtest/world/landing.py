@@ -77,4 +77,4 @@ class Landings:
         if positions is not None:
             self._batch.position[ids] = positions
             self._batch.touch(ids)
-        return -self._batch.deepest()[ids]
+        return -self._batch.deepest(ids)

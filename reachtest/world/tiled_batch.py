@@ -116,9 +116,10 @@ class TiledBatch:
         """Contacts of states [n] that were written from outside."""
         self._call(lambda: self._batch.forward(ids, stage=_FRESH))
 
-    def deepest(self) -> Floats:
-        """Signed distance [B] of the closest contact [m]; infinite where there is none."""
-        return np.where(self.sensor[:, 0, 0] > 0, self.sensor[:, 0, 1], np.inf)
+    def deepest(self, ids: Ints | slice = slice(None)) -> Floats:
+        """Signed distance of the closest contact [m] of all, or of simulations [n]; infinite where there is none."""
+        closest = self.sensor[ids, 0]
+        return np.where(closest[:, 0] > 0, closest[:, 1], np.inf)
 
     def diverged(self) -> Bools:
         """Which simulations [B] failed since `set_state`: an error, a warning, or numbers that are none."""
