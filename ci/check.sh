@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The whole gate: sets up a virtual environment, then format, lint, strict types and tests.
-# Property tests draw the same examples every time: a gate must not flake.
+# Property tests draw the same examples every time: a gate must not flake. Up to four processes share the tests, a file
+# each at a time.
 # Needs Python 3.11 or newer and nothing else. REACHTEST_VENV names another place for the environment.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,4 +11,4 @@ venv=${REACHTEST_VENV:-.venv-check}
 "$venv/bin/ruff" format --check .
 "$venv/bin/ruff" check .
 "$venv/bin/mypy"
-"$venv/bin/python" -m pytest --hypothesis-profile=ci "$@"
+"$venv/bin/python" -m pytest --hypothesis-profile=ci -n auto --maxprocesses 4 --dist loadfile "$@"
