@@ -106,7 +106,7 @@ class Explorer:
             seed=self._seed,
             settings=self._settings,
             headings=self._round_headings(),
-            goal_attempts=aims.attempts[:count],
+            goal_attempts=aims.attempts()[:count],
             goal_border_m=aims.border_m[:count],
             required_attempts=aims.attempts_at_parts()[count:],
             required_connected=self._required_connected,

@@ -8,12 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.directed.parts import Efforts, parts_among
 from reachtest.explore.directed.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.explore.directed.turns import in_turns
 from reachtest.explore.goals import GoalSet
@@ -46,9 +44,7 @@ class Aims:
             len(goals.goals), np.inf
         )  # [G] how far the nearest of them was, by storey
         self._worth = worth
-        none: Ints = np.empty(0, dtype=np.int64)
-        self._before = none, none  # goals, and their parts
-        self.attempts: Ints = np.zeros(len(goals.goals), dtype=np.int64)  # [G] in vain, from the border
+        self._efforts = Efforts(goals.goals, self._link)
         self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far that start was
 
     @property
@@ -56,14 +52,15 @@ class Aims:
         """Whether a goal is open that one should be able to get to."""
         return bool(((self._goals.reached_step < 0) & self._promised).any())
 
+    def attempts(self) -> Ints:
+        """Attempts [G] in vain so far, each counted at the goal it pushed to."""
+        self._forget()
+        return self._efforts.attempts
+
     def attempts_at_parts(self) -> Ints:
-        """Attempts [G] in vain at the whole open part that a goal lies in: what is deep in it is never aimed at."""
-        result = self.attempts.copy()
-        open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
-        if len(open_):
-            part = _parts(self._goals.goals[open_], self._link)
-            result[open_] = np.bincount(part, weights=self.attempts[open_])[part]
-        return result
+        """Attempts [G] in vain so far at the whole open part that a goal lies in."""
+        self._forget()
+        return self._efforts.of_parts()
 
     def add(self, goals: Bools) -> None:
         """Try to get to `goals` [G] as well."""
@@ -73,7 +70,7 @@ class Aims:
         self, rng: np.random.Generator, lanes: int, cache: PositionCache, candidates: Candidates
     ) -> Aim | None:
         """Goals for `lanes` lanes, the least tried first; None when no goal is open."""
-        self._forget_where_it_went_on()
+        self._forget()
         self._starts.note(cache.positions, candidates.above_m)
         open_ = np.flatnonzero((self._goals.reached_step < 0) & self._worth)
         if not len(open_) or not lanes or not len(self._starts):
@@ -87,17 +84,14 @@ class Aims:
         # Where a way is promised, one comes along it; every other time from straight below or above, if that is nearer.
         way = np.where(self._promised[goals], rng.integers(0, 2, lanes), STRAIGHT)
         starts = _one_each(rng, away[way, chosen], who[way, chosen], candidates.visits)
-        np.add.at(self.attempts, goals, 1)
+        np.add.at(self._efforts.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
         straight = rng.random(len(starts)) < STRAIGHT_SHARE
         return Aim(starts, heading_of(towards) + STRAIGHTS * straight, goals)
 
-    def _forget_where_it_went_on(self) -> None:
-        """Attempts count anew for a part of which a goal was reached: its border is another one now."""
-        goals, part = self._before
-        if len(goals):
-            went_on = np.bincount(part, weights=self._goals.reached_step[goals] >= 0) > 0
-            self.attempts[goals[went_on[part]]] = 0
+    def _forget(self) -> None:
+        reached = self._goals.reached_step >= 0
+        self._efforts.forget(~reached & self._worth, reached)
 
     def _note_border(self, goals: Ints, away: Floats, starts: Floats) -> None:
         """Attempts count when they began near the goal, or from the nearest place that was ever reached.
@@ -105,29 +99,21 @@ class Aims:
         `away` [n] is how far the nearest of them, `starts` [n, 3], are from `goals` [n] by storey.
         """
         before = self._gap_m[goals]
-        self.attempts[goals[(away < before - NEARER_M) & (before > BORDER_M)]] = 0
+        self._efforts.attempts[goals[(away < before - NEARER_M) & (before > BORDER_M)]] = 0
         nearer = away < before
         self._gap_m[goals[nearer]] = away[nearer]
         self.border_m[goals[nearer]] = np.linalg.norm(starts - self._goals.goals[goals], axis=1)[nearer]
 
     def _rotate(self, rng: np.random.Generator, lanes: int, goals: Ints) -> Ints:
         """Places [lanes] in `goals`: always the part that was tried least, and of it the border goal tried least."""
-        part = _parts(self._goals.goals[goals], self._link)
-        self._before = goals, part
+        part = parts_among(self._goals.goals[goals], self._link)
+        attempts = self._efforts.attempts[goals]
         nearest = np.full(part.max() + 1, np.inf)
         np.minimum.at(nearest, part, self._gap_m[goals])
         at_border = self._gap_m[goals] <= np.maximum(nearest[part], BORDER_M)
-        tries = np.where(at_border, self.attempts[goals] + rng.random(len(goals)), np.inf)
-        total = np.bincount(part, weights=self.attempts[goals]) + rng.random(len(nearest))
+        tries = np.where(at_border, attempts + rng.random(len(goals)), np.inf)
+        total = np.bincount(part, weights=attempts) + rng.random(len(nearest))
         return in_turns(tries, part, total, lanes)
-
-
-def _parts(places: Floats, link_m: float) -> Ints:
-    """Which connected part each of `places` [n, 3] belongs to [n]."""
-    pairs = cKDTree(places).query_pairs(link_m, output_type="ndarray")
-    shape = (len(places), len(places))
-    graph = coo_matrix((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=shape)
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _one_each(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:

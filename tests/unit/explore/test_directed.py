@@ -9,7 +9,7 @@ import pytest
 
 from reachtest.explore.actions import STRAIGHTS, action_stream, heading_of
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.directed.aim import BORDER_M, STRAIGHT_SHARE, Aims
+from reachtest.explore.directed.aim import BORDER_M, CONSIDERED, STRAIGHT_SHARE, Aims
 from reachtest.explore.goals import GoalSet
 from reachtest.records import Candidates
 from tests.unit.explore.walker import Run
@@ -69,7 +69,7 @@ def test_every_open_part_gets_its_share_however_large_it_is() -> None:
     cache, candidates = cached(*[[x, 17, 0] for x in range(0, 60, 4)], [0, -17, 0])
     for seed in range(4):
         drawn = aim.draw(np.random.default_rng(seed), 8, cache, candidates)
-    assert aim.attempts[:-1].sum() == aim.attempts[-1] == 16
+    assert aim.attempts()[:-1].sum() == aim.attempts()[-1] == 16
     assert drawn is not None
     ahead = drawn.targets < len(large)
     way = (drawn.headings - 1) % 8 + 1
@@ -81,13 +81,30 @@ def test_attempts_are_made_from_the_border_and_begin_anew_when_it_moves() -> Non
     aim, goals = aims([[4, 0, 0], [8, 0, 0], [30, 0, 0]])
     cache, candidates = cached([0, 0, 0])
     aim.draw(np.random.default_rng(0), 6, cache, candidates)
-    assert (aim.attempts[:2] > 0).all()
+    assert (aim.attempts()[:2] > 0).all()
     goals.drain(np.array([[4.0, 0, 0]]), np.array([1]))
     cache, candidates = cached([0, 0, 0], [4, 0, 0])
     aim.draw(np.random.default_rng(1), 6, cache, candidates)
-    assert aim.attempts[0] == 0  # reached
-    assert aim.attempts[1] == 3  # those from the old border do not count
+    assert aim.attempts()[0] == 0  # reached
+    assert aim.attempts()[1] == 3  # those from the old border do not count
     assert aim.border_m[1] == pytest.approx(4.0)
+
+
+def test_attempts_begin_anew_all_over_a_part_that_is_too_large_to_look_at_as_a_whole() -> None:
+    """An open plain that is still being walked into was called unreached: each attempt counted, wherever it was."""
+    across = np.arange(0, 200, 4)
+    plain = [[x, y, 0] for x in across for y in across]
+    assert len(plain) > 2 * CONSIDERED
+    aim, goals = aims([*plain, [0, -40, 0]])
+    cache, candidates = cached([-4, 0, 0], [0, -36, 0])
+    for seed in range(40):
+        aim.draw(np.random.default_rng(seed), 24, cache, candidates)
+    beside = aim.attempts()[-1]
+    assert aim.attempts()[:-1].sum() > 256
+    assert beside > 0
+    goals.drain(np.array([[0.0, 0, 0]]), np.array([1]))
+    assert aim.attempts()[:-1].sum() == 0
+    assert aim.attempts()[-1] == beside  # nobody got there
 
 
 def test_what_lies_deep_in_an_open_part_is_tried_with_it() -> None:
@@ -96,16 +113,16 @@ def test_what_lies_deep_in_an_open_part_is_tried_with_it() -> None:
     cache, candidates = cached([0, 0, 0], [0, -36, 0])
     for seed in range(3):
         aim.draw(np.random.default_rng(seed), 8, cache, candidates)
-    assert aim.attempts[9] == 0
+    assert aim.attempts()[9] == 0
     assert aim.attempts_at_parts().tolist() == [12] * 10 + [12]
 
 
 def test_attempts_from_afar_are_void_once_there_is_a_nearer_place() -> None:
     aim, _ = aims([[40, 0, 0]])
     aim.draw(np.random.default_rng(0), 5, *cached([0, 0, 0]))
-    assert aim.attempts[0] == 5
+    assert aim.attempts()[0] == 5
     aim.draw(np.random.default_rng(1), 5, *cached([0, 0, 0], [40 - BORDER_M, 0, 0]))
-    assert aim.attempts[0] == 5
+    assert aim.attempts()[0] == 5
 
 
 def test_who_fell_off_a_beam_is_no_start_however_near_to_its_end() -> None:
