@@ -98,6 +98,11 @@ class Archive:
         """Where they last stood at an expected position [n, 3]; NaN if they did not yet."""
         return self._places(self._exits, "exit_point", points)
 
+    def stood_at(self, parents: Ints) -> Bools:
+        """Whether the characters of `parents` [...] stand: those of cached points; of spawns nobody looked."""
+        known = self._columns["grounded"][np.maximum(parents, 0)]
+        return np.asarray(known.astype(np.bool_) & (parents >= 0))
+
     @property
     def grounded(self) -> Bools:
         """[P]"""

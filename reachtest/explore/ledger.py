@@ -13,6 +13,7 @@ from reachtest.columns import ColumnIndex
 from reachtest.explore.archive import Archive
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet, sample_goals
+from reachtest.explore.retrace import Retrace
 from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
 from reachtest.explore.trails import Trails, of_parents
@@ -40,7 +41,8 @@ class Ledger:
         self.archive = Archive(self.cache, spawns.shape[1], s.lanes, s.reset_interval)
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
-        self.transitions = Transitions(min(s.threshold_m, RADII_A_PLACE * level.character.radius_m))
+        place_m = min(s.threshold_m, RADII_A_PLACE * level.character.radius_m)
+        self.transitions = Transitions(place_m, Retrace.of(level.character))
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self.goals = self._all_goals(level)  # on the nav-mesh, then required points
         self.falls: list[Fall] = []
@@ -83,7 +85,7 @@ class Ledger:
         discovering = self.visits.add(flat, episode.ravel()[valid])
         footings = of_parents(parents, self.archive.footings_of, self._spawn_positions)
         stays = Stays(footings, np.zeros(parents.shape, dtype=np.bool_))
-        self.transitions.add(rolled, stays, parents, self.rounds)
+        self.transitions.add(rolled, stays, parents, self.rounds, self.archive.stood_at(parents))
         began = time.monotonic()
         order = valid[self.cache.insert(flat)]
         self.cache_s += time.monotonic() - began

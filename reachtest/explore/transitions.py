@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 
+from reachtest.explore.retrace import TIMES, Retrace
 from reachtest.explore.rollout import Trajectories
 from reachtest.geometry import at_rest, pack_cells, unpack_heights
 from reachtest.records import Bools, EndReason, Floats, Ints
@@ -30,7 +31,6 @@ FLATTER = (
 )
 _SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
 _LYING = 1 << 19  # cells higher than any level is: the keys of places to lie in
-_TIMES = 3  # of an agent step: before it, in it, at its end
 _GROWTH = 4  # new rows are merged when there are a quarter as many: few merges, little waste
 
 
@@ -70,7 +70,9 @@ class Graph:
 class Transitions:
     """Collects the transitions of a run."""
 
-    def __init__(self, cell_m: float) -> None:
+    def __init__(self, cell_m: float, retrace: Retrace | None = None) -> None:
+        """`retrace` tells which ways lead back as well; None: none that was not taken."""
+        self._retrace = retrace
         self._cell = np.array([cell_m, cell_m, cell_m / FLATTER])
         self._keys: Ints = np.array([OUT], dtype=np.int64)
         self._places = np.full((1, 3), np.nan, dtype=np.float32)
@@ -97,10 +99,18 @@ class Transitions:
         cells[:, 2] += np.multiply(lying, _LYING)
         return pack_cells(cells)
 
-    def add(self, rolled: Trajectories, starts: Stays, parents: Ints | None = None, round_: int = 0) -> None:
+    def add(
+        self,
+        rolled: Trajectories,
+        starts: Stays,
+        parents: Ints | None = None,
+        round_: int = 0,
+        standing: Bools | None = None,
+    ) -> None:
         """Enter a round; `starts` [M, B] are where the characters stood or lay last at each of their starts.
 
-        `parents` [M, B] are these starts; None if they are no cached points.
+        `parents` [M, B] are these starts; None if they are no cached points. `standing` [M, B] says who stands there
+        still; None if that is not known of anybody, and then nothing is taken to lead back.
         """
         lane, time, episode, stays, out = _visits(rolled, starts)
         order = np.lexsort((time, lane))
@@ -109,6 +119,9 @@ class Transitions:
         keys = np.where(out, OUT, self.cells(np.where(out[:, None], 0.0, places), stays.lying[order]))
         step = (episode[1:] == episode[:-1]) & (keys[1:] != keys[:-1])
         ends = np.stack([keys[:-1][step], keys[1:][step]], axis=1)
+        if self._retrace and standing is not None:
+            walked = step & self._retrace.walks_back(rolled, standing, lane, time, places[:, 2])
+            ends = np.concatenate([ends, np.stack([keys[1:][walked], keys[:-1][walked]], axis=1)])
         known, first = np.unique(keys, return_index=True)
         origins = _origins(rolled, lane[first], time[first], parents, round_)
         self._fresh.append((known, places[first].astype(np.float32), origins, _distinct(ends)))
@@ -162,7 +175,7 @@ def _origins(
     """How the characters got to where they were in `lane` [n] at `time` [n]: origins [n, 5]."""
     result = np.full((len(lane), 5), UNKNOWN, dtype=np.int32)
     if parents is not None:
-        t, step = time // _TIMES, (time + _TIMES - 1) // _TIMES  # before a step: nothing was done yet
+        t, step = time // TIMES, (time + TIMES - 1) // TIMES  # before a step: nothing was done yet
         parent = parents[rolled.which[t, lane], lane]
         columns = parent, np.full(len(lane), round_), lane, rolled.start[t, lane], step
         result[:] = np.stack(columns, axis=1)
@@ -177,7 +190,7 @@ def _visits(rolled: Trajectories, starts: Stays) -> tuple[Ints, Ints, Ints, Stay
     seen = np.argwhere(np.isfinite(stays.places[:, :, 0]))
     fell = np.argwhere(rolled.ended == EndReason.FELL)
     where = np.concatenate([began, seen, fell])
-    time = _TIMES * where[:, 0] + np.repeat([0, 1, 2], [len(began), len(seen), len(fell)])
+    time = TIMES * where[:, 0] + np.repeat([0, 1, 2], [len(began), len(seen), len(fell)])
     episode = rolled.start[where[:, 0], where[:, 1]].astype(np.int64) * lanes + where[:, 1]
     first, then = (rolled.which[began[:, 0], began[:, 1]], began[:, 1]), (seen[:, 0], seen[:, 1])
     places = np.concatenate([starts.places[first], stays.places[then], np.full((len(fell), 3), np.nan)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reachtest.explore.retrace import Retrace
 from reachtest.explore.rollout import Trajectories
 from reachtest.explore.transitions import OUT, Graph, Stays, Transitions, lies
 from reachtest.records import EndReason
@@ -113,3 +114,32 @@ def test_a_place_is_kept_in_its_own_cell() -> None:
     graph, transitions = graph_of((rolled([(place, True), ([-20.5, 5.5, 0.0], True)]), [[-25.5, 5.5, 0.0]]))
     assert row(transitions, graph, place) == row(transitions, graph, np.float32(place))
     np.testing.assert_array_equal(transitions.cells(graph.places[1:]), graph.keys[1:])
+
+
+def steps_on_the_ground(*steps, speed: float = 6.0, standing: bool = True) -> set[tuple[int, int]]:
+    """The transitions of one episode over places 1, 2, ... m along x, of (height, stands) each, from (0, 0)."""
+    walk = rolled([([1.5 + t, 0.5, height], stands) for t, (height, stands) in enumerate(steps)])
+    walk.states[:, :, 3] = speed
+    transitions = Transitions(1.0, Retrace(drop_m=0.05, speed_mps=3.0))
+    starts = Stays(np.array([[[0.5, 0.5, 0.0]]]), np.zeros((1, 1), dtype=bool))
+    transitions.add(walk, starts, np.zeros((1, 1), dtype=int), 0, np.full((1, 1), standing))
+    graph = transitions.graph()
+    across = np.round(graph.places[:, 0] - 0.5)
+    return {(int(across[a]), int(across[b])) for a, b in graph.ends.tolist()}
+
+
+def test_what_was_walked_over_level_ground_leads_both_ways() -> None:
+    assert steps_on_the_ground((0, True), (0, True)) == {(0, 1), (1, 0), (1, 2), (2, 1)}
+
+
+def test_a_step_up_leads_back_down_and_a_step_down_not_back_up() -> None:
+    assert steps_on_the_ground((0.3, True), (0.0, True)) == {(0, 1), (1, 0), (1, 2)}
+
+
+def test_a_flight_does_not_lead_back() -> None:
+    assert steps_on_the_ground((0.6, False), (0, True)) == {(0, 2)}
+    assert steps_on_the_ground((0, True), standing=False) == {(0, 1)}
+
+
+def test_who_was_stopped_may_be_held_there() -> None:
+    assert steps_on_the_ground((0, True), speed=2.0) == {(0, 1)}
