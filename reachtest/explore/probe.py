@@ -22,7 +22,9 @@ from reachtest.records import Bools, Fall, Floats, Ints, Level, Origin, Pocket, 
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
 ATTEMPTS_A_PLACE = 1  # more for every cell of it: a hall has many doors
-BORDER = 64  # places of a region nearest to a way back
+BORDER = (
+    64  # places of a region nearest to a way back, at most a quarter of it if that is more than an eighth
+)
 NUDGE_M = 0.03  # more than a jammed contact needs, less than any ledge
 SWEEPS = 24  # rounds of an episode from every trap first: most were merely found last
 LANES_A_REGION = 32  # at once at least: each of eight headings with each of JUMPS
@@ -133,7 +135,8 @@ class Prober:
         known = region.rows[trapped.graph.origins[region.rows, 0] != UNKNOWN]
         core, any_ = rng.choice(self._known(trapped, region), count), rng.choice(known, count)
         away = np.linalg.norm(places[known] - self._way_back(trapped, places[known]), axis=1)
-        border = rng.choice(known[np.argsort(away, kind="stable")[: max(BORDER, len(known) // 8)]], count)
+        nearest = max(min(BORDER, len(known) // 4), len(known) // 8, 1)
+        border = rng.choice(known[np.argsort(away, kind="stable")[:nearest]], count)
         return np.choose(number // 16 % 4, [core, border, core if region.stuck else border, any_])
 
     def _known(self, trapped: Trapped, region: Region) -> Ints:
