@@ -36,13 +36,13 @@ class Dot:
     """Walks a metre a step on a plane without end; falls where x > 20."""
 
     def __init__(self, agents: int) -> None:
-        self._states = np.zeros((agents, 3))
+        self._states = np.zeros((agents, 6))
 
     agents = property(lambda self: len(self._states))
     step_s = 0.1
 
     def place(self, positions):
-        return positions.copy()
+        return np.concatenate([positions, np.zeros_like(positions)], axis=1)
 
     def restore(self, agents, states):
         self._states[agents] = states
@@ -53,10 +53,12 @@ class Dot:
     def step(self, actions):
         angle = (actions[:, 0] - 1) * np.pi / 4
         moved = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
-        self._states += np.where(actions[:, :1] > 0, moved, 0.0)
-        ended = np.where(self._states[:, 0] > 20, EndReason.FELL, EndReason.ALIVE).astype(np.int8)
-        stood = np.where((ended == EndReason.ALIVE)[:, None], self._states, np.nan)
-        return StepResult(self._states.copy(), np.ones(self.agents, dtype=bool), stood, ended)
+        moved[actions[:, 0] == 0] = 0.0
+        self._states = np.concatenate([self._states[:, :3] + moved, moved / self.step_s], axis=1)
+        positions = self._states[:, :3]
+        ended = np.where(positions[:, 0] > 20, EndReason.FELL, EndReason.ALIVE).astype(np.int8)
+        stood = np.where((ended == EndReason.ALIVE)[:, None], positions, np.nan)
+        return StepResult(positions.copy(), np.ones(self.agents, dtype=bool), stood, ended)
 
 
 class Plane:
@@ -142,8 +144,8 @@ def test_unexpected_points_know_where_their_path_left_the_navmesh() -> None:
 
 
 def test_an_agent_whose_episode_ends_goes_on_from_its_next_start() -> None:
-    starts = np.zeros((2, 1, 3))
-    starts[0, 0], starts[1, 0] = [19.5, 0, 0], [-3, 7, 0]
+    starts = np.zeros((2, 1, 6))
+    starts[0, 0, :3], starts[1, 0, :3] = [19.5, 0, 0], [-3, 7, 0]
     east = np.ones((4, 1, 2), dtype=np.int8)
     rolled = roll_out(Dot(1), starts, east)
     assert rolled.ended[:, 0].tolist() == [EndReason.FELL, 0, 0, 0]
