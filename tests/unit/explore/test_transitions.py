@@ -128,18 +128,31 @@ def steps_on_the_ground(*steps, speed: float = 6.0, standing: bool = True) -> se
     return {(int(across[a]), int(across[b])) for a, b in graph.ends.tolist()}
 
 
-def test_what_was_walked_over_level_ground_leads_both_ways() -> None:
-    assert steps_on_the_ground((0, True), (0, True)) == {(0, 1), (1, 0), (1, 2), (2, 1)}
+def test_what_was_walked_through_on_level_ground_leads_back() -> None:
+    assert steps_on_the_ground((0, True), (0, True)) == {(0, 1), (1, 0), (1, 2)}
 
 
 def test_a_step_up_leads_back_down_and_a_step_down_not_back_up() -> None:
-    assert steps_on_the_ground((0.3, True), (0.0, True)) == {(0, 1), (1, 0), (1, 2)}
+    up = steps_on_the_ground((0.3, True), (0.3, True))
+    down = steps_on_the_ground((0, True), (-0.3, True), (-0.3, True))
+    assert up == {(0, 1), (1, 0), (1, 2)}
+    assert down == {(0, 1), (1, 2), (2, 3)}
 
 
 def test_a_flight_does_not_lead_back() -> None:
-    assert steps_on_the_ground((0.6, False), (0, True)) == {(0, 2)}
-    assert steps_on_the_ground((0, True), standing=False) == {(0, 1)}
+    assert steps_on_the_ground((0.6, False), (0, True), (0, True)) == {(0, 2), (2, 3)}
+    assert steps_on_the_ground((0, True), (0, True), standing=False) == {(0, 1), (1, 2)}
 
 
 def test_who_was_stopped_may_be_held_there() -> None:
-    assert steps_on_the_ground((0, True), speed=2.0) == {(0, 1)}
+    assert steps_on_the_ground((0, True), (0, True), speed=2.0) == {(0, 1), (1, 2)}
+
+
+def test_one_episode_is_not_walked_on_from_in_the_next() -> None:
+    assert steps_on_the_ground((0, True)) == {(0, 1)}
+    two = rolled([([1.5, 0.5, 0], True)], [([1.5, 0.5, 0], True)])
+    two.states[:, :, 3] = 6.0
+    transitions = Transitions(1.0, Retrace(drop_m=0.05, speed_mps=3.0))
+    starts = Stays(np.array([[[0.5, 0.5, 0.0], [0.5, 0.5, 0.0]]]), np.zeros((1, 2), dtype=bool))
+    transitions.add(two, starts, np.zeros((1, 2), dtype=int), 0, np.ones((1, 2), dtype=bool))
+    assert len(transitions.graph().ends) == 1
