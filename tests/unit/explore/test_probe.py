@@ -179,8 +179,8 @@ def test_who_begins_in_the_air_of_a_small_room_is_not_stuck_in_it(height_m: floa
 def test_few_lanes_jump_too() -> None:
     """Two crates lead out of the pit, one after the other; eight lanes take turns at walking and jumping.
 
-    It takes two jumps in a row, which some 300 attempts came by in 7 of 12, 8 of 11 and 11 of 12 seeds of versions that differ in
-    where attempts begin. Who only walks gets out in none.
+    It takes two jumps in a row. Some 300 attempts came by them in 7 of 12, 8 of 11 and 11 of 12 seeds, of versions that
+    differ in where attempts begin. Who only walks gets out in none.
     """
     ground = [box([-8, -8, -3], [-1.4, 8, 0]), box([1.4, -8, -3], [8, 8, 0])]
     ground += [box([-1.4, 1.4, -3], [1.4, 8, 0]), box([-1.4, -8, -3], [1.4, -1.4, 0])]
