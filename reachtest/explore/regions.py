@@ -6,14 +6,12 @@ Shape legend: N places of the transition graph, T trapped ones among them, S spa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from reachtest.columns import ColumnIndex
+from reachtest.explore.connected import STRONGLY, WAYS, Connection, inner_pairs, part_labels
 from reachtest.explore.transitions import Graph
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
@@ -22,9 +20,6 @@ STUCK_M = 4.0  # a trap no part of which is farther along the axes holds the cha
 SAME_TRAP_M = 2.0  # traps this near each other are one: a groove has many
 BESIDE_M = 1.0  # so far beside a spawn is at the spawn
 STAND_M = 0.35  # a spawn stands so near its ground
-Connection = Literal["weak", "strong"]
-WAYS: Connection = "weak"
-STRONGLY: Connection = "strong"
 
 
 @dataclass(frozen=True)
@@ -131,7 +126,7 @@ def _near_each_other(graph: Graph, rows: Ints) -> list[Ints]:
         return []
     near = cKDTree(graph.places[rows]).query_pairs(SAME_TRAP_M, output_type="ndarray")
     pairs = np.concatenate([_inner(graph, rows), near])
-    return _groups(rows, _labels(len(rows), pairs, WAYS))
+    return _groups(rows, part_labels(len(rows), pairs, WAYS))
 
 
 def _groups(rows: Ints, label: Ints) -> list[Ints]:
@@ -141,22 +136,12 @@ def _groups(rows: Ints, label: Ints) -> list[Ints]:
 
 def _components(graph: Graph, rows: Ints, connection: Connection) -> Ints:
     """Label [n] of each of `rows` by the transitions between them."""
-    return _labels(len(rows), _inner(graph, rows), connection)
-
-
-def _labels(count: int, pairs: Ints, connection: Connection) -> Ints:
-    ones = np.ones(len(pairs), dtype=np.int8)
-    graph = csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=connection == STRONGLY, connection=connection)[1]
-    return np.asarray(label, dtype=np.int64)
+    return part_labels(len(rows), _inner(graph, rows), connection)
 
 
 def _inner(graph: Graph, rows: Ints) -> Ints:
     """The transitions [E, 2] between `rows`, as places in `rows`."""
-    place = np.full(len(graph.keys), -1, dtype=np.int64)
-    place[rows] = np.arange(len(rows))
-    inner = place[graph.ends]
-    return inner[(inner >= 0).all(axis=1)]
+    return inner_pairs(graph.ends, rows, len(graph.keys))
 
 
 def _sinks(graph: Graph, rows: Ints, label: Ints) -> Ints:

@@ -1,4 +1,4 @@
-"""Ways that one can walk back, though nobody turned round there: what was walked over level ground leads both ways.
+"""Ways one can walk back, though nobody turned round there: what was walked through on level ground leads both ways.
 
 Every episode ends somewhere, mostly where nobody was before. Without this each such place is one that nothing found
 leads back from, and in a wide level nearly all probes are spent on open ground.
@@ -18,8 +18,8 @@ import numpy as np
 from reachtest.explore.rollout import Trajectories
 from reachtest.records import Bools, Character, Floats, Ints
 
-TIMES = 3  # of an agent step: before it, in it, at its end
-BEFORE, WITHIN = 0, 1
+TIMES = 3  # of an agent step
+BEFORE, WITHIN, AFTER = range(TIMES)
 SURE = (
     0.5  # share of the walking speed that nobody has who is held, and of the height that a capsule rolls over
 )
@@ -56,7 +56,7 @@ class Retrace:
     ) -> Bools:
         """Whether one can walk back [n - 1] from each visit but the first to the one before.
 
-        `time` [n] is `TIMES` times the agent step and one of `BEFORE`, `WITHIN` or its end; `heights` [n] are of the
+        `time` [n] is `TIMES` times the agent step and one of `BEFORE`, `WITHIN` and `AFTER`; `heights` [n] are of the
         places and `standing` [M, B] says who stands at its start.
         """
         t, when = time // TIMES, time % TIMES

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order
 
-from reachtest.explore.retrace import TIMES, Retrace
+from reachtest.explore.retrace import AFTER, BEFORE, TIMES, WITHIN, Retrace
 from reachtest.explore.rollout import Trajectories
 from reachtest.geometry import at_rest, pack_cells, unpack_heights
 from reachtest.records import Bools, EndReason, Floats, Ints
@@ -190,7 +190,7 @@ def _visits(rolled: Trajectories, starts: Stays) -> tuple[Ints, Ints, Ints, Stay
     seen = np.argwhere(np.isfinite(stays.places[:, :, 0]))
     fell = np.argwhere(rolled.ended == EndReason.FELL)
     where = np.concatenate([began, seen, fell])
-    time = TIMES * where[:, 0] + np.repeat([0, 1, 2], [len(began), len(seen), len(fell)])
+    time = TIMES * where[:, 0] + np.repeat([BEFORE, WITHIN, AFTER], [len(began), len(seen), len(fell)])
     episode = rolled.start[where[:, 0], where[:, 1]].astype(np.int64) * lanes + where[:, 1]
     first, then = (rolled.which[began[:, 0], began[:, 1]], began[:, 1]), (seen[:, 0], seen[:, 1])
     places = np.concatenate([starts.places[first], stays.places[then], np.full((len(fell), 3), np.nan)])

@@ -11,7 +11,7 @@ import numpy as np
 
 from reachtest.explore.actions import STRAIGHTS, heading_of
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.directed.parts import Efforts, parts_among
+from reachtest.explore.directed.parts import Efforts
 from reachtest.explore.directed.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.explore.directed.turns import in_turns
 from reachtest.explore.goals import GoalSet
@@ -38,13 +38,13 @@ class Aims:
 
     def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
-        self._goals, self._promised, self._link = goals, worth, 2 * spacing_m
+        self._goals, self._promised = goals, worth
         self._starts = Starts()
         self._gap_m: Floats = np.full(
             len(goals.goals), np.inf
         )  # [G] how far the nearest of them was, by storey
         self._worth = worth
-        self._efforts = Efforts(goals.goals, self._link)
+        self._efforts = Efforts(goals.goals, 2 * spacing_m)
         self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far that start was
 
     @property
@@ -106,7 +106,7 @@ class Aims:
 
     def _rotate(self, rng: np.random.Generator, lanes: int, goals: Ints) -> Ints:
         """Places [lanes] in `goals`: always the part that was tried least, and of it the border goal tried least."""
-        part = parts_among(self._goals.goals[goals], self._link)
+        part = self._efforts.parts_among(goals)
         attempts = self._efforts.attempts[goals]
         nearest = np.full(part.max() + 1, np.inf)
         np.minimum.at(nearest, part, self._gap_m[goals])
