@@ -57,8 +57,8 @@ def build(
 
 def _section(level: Path, given: dict[str, Any]) -> Any:
     """What to put over the level's navmesh section: its own build with `given` over it, or a new one."""
-    from reachtest.levels.document import read_yaml
-    from reachtest.levels.schema import BuildSpec, NavMeshSpec
+    from reachtest.levels.keys.document import read_yaml
+    from reachtest.levels.keys.navmesh import BuildSpec, NavMeshSpec
 
     section = read_yaml(level).get("navmesh")
     if isinstance(section, dict) and "build" in section:

@@ -1,18 +1,18 @@
 """Stage levels: reads `level.yaml` and the meshes it names, and says everything that is wrong with them.
 
-Reading order: `schema` (what the file says), `document` and `complaints` (how it is read), `meshes` (the
-files it names), `load` (how it becomes a `Level`), `check` (whether that level is plausible).
+Reading order: `keys` (what the file may say and how it is read), `shapes`, `meshes` and `navmeshes` (what it names),
+`collect` (reads all of that), `load` (how it becomes a `Level`), `checks` (whether that level is plausible).
 """
 
-from reachtest.levels.check import Check, check_level
+from reachtest.levels.checks.check import Check, check_level
 from reachtest.levels.files import named_files
+from reachtest.levels.keys.level import json_schema
+from reachtest.levels.keys.presets import PRESETS
 from reachtest.levels.load import load_level
-from reachtest.levels.meshes import MESH_READERS
-from reachtest.levels.navmesh_formats import NAVMESH_FORMATS
-from reachtest.levels.presets import PRESETS
-from reachtest.levels.primitives import PRIMITIVES
-from reachtest.levels.read_navmesh import read_navmesh_file
-from reachtest.levels.schema import json_schema
+from reachtest.levels.meshes.formats import MESH_READERS
+from reachtest.levels.navmeshes.formats import NAVMESH_FORMATS
+from reachtest.levels.navmeshes.read import read_navmesh_file
+from reachtest.levels.shapes.primitives import PRIMITIVES
 
 __all__ = [
     "MESH_READERS",

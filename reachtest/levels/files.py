@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from reachtest.errors import Problem
-from reachtest.levels.document import read_yaml
-from reachtest.levels.meshes import MESH_READERS, file_problem
-from reachtest.levels.navmesh_formats import NAVMESH_SUFFIXES
-from reachtest.levels.primitives import PRIMITIVES
+from reachtest.levels.keys.document import read_yaml
+from reachtest.levels.meshes.formats import MESH_READERS
+from reachtest.levels.meshes.paths import file_problem
+from reachtest.levels.navmeshes.formats import NAVMESH_SUFFIXES
+from reachtest.levels.shapes.primitives import PRIMITIVES
 
 
 def named_files(path: Path) -> dict[str, Path]:

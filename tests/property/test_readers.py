@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from reachtest.errors import BadInput
 from reachtest.levels import MESH_READERS, NAVMESH_FORMATS, read_navmesh_file
 from reachtest.levels.frames import UNITS, UP_AXES, make_frame, unit_name
-from reachtest.levels.meshes import Mesh, read_mesh
-from reachtest.levels.schema import FrameSpec, MeshSpec
-from reachtest.levels.solids import find_leaks
+from reachtest.levels.keys.geometry import FrameSpec, MeshSpec
+from reachtest.levels.meshes.read import Mesh, read_mesh
+from reachtest.levels.meshes.solids import find_leaks
 from tests.unit.levels.make import NAV_OBJ, glb
 from tests.unit.levels.test_navmesh_aas import SQUARE, aas, lumps, reach
 from tests.unit.levels.test_navmesh_detour import HABITAT, KINDS, full_tile, tile_set

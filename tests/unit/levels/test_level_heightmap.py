@@ -11,8 +11,8 @@ import pytest
 
 from reachtest.geometry import grid_surface
 from reachtest.levels import load_level
-from reachtest.levels.grids import MOST_SAMPLES, grid_points, skirt
-from reachtest.levels.solids import find_leaks
+from reachtest.levels.meshes.solids import find_leaks
+from reachtest.levels.shapes.grids import MOST_SAMPLES, grid_points, skirt
 from reachtest.records import Floats
 from tests.unit.levels.make import WriteLevel, only_problem, problems_of
 

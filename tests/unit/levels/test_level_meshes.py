@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from reachtest.levels import MESH_READERS, NAVMESH_FORMATS, check_level, load_level
-from reachtest.levels.read_gltf import read_glb
-from reachtest.levels.scene import Unreadable
+from reachtest.levels.meshes.gltf import read_glb
+from reachtest.levels.meshes.scene import Unreadable
 from tests.unit.levels.make import NAV_OBJ, QUAD, QUAD_FACES, WriteLevel, glb, gltf_tree, only_problem
 
 FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}

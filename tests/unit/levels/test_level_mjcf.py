@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from reachtest.levels import load_level
-from reachtest.levels.read_mjcf import read_mjcf
-from reachtest.levels.scene import Piece
-from reachtest.levels.solids import find_leaks
+from reachtest.levels.meshes.mjcf import read_mjcf
+from reachtest.levels.meshes.scene import Piece
+from reachtest.levels.meshes.solids import find_leaks
 from tests.unit.levels.make import WriteLevel, only_problem
 
 FLOOR = {"box": {"center": [0, 0, -0.5], "size": [20, 20, 1]}}

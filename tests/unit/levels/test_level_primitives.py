@@ -7,8 +7,8 @@ import pytest
 
 from reachtest.levels import PRIMITIVES
 from reachtest.levels.frames import make_frame
-from reachtest.levels.primitives import CYLINDER_SIDES
-from reachtest.levels.solids import find_leaks
+from reachtest.levels.meshes.solids import find_leaks
+from reachtest.levels.shapes.primitives import CYLINDER_SIDES
 from reachtest.records import Floats
 from tests.unit.levels.make import WriteLevel, only_problem
 

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reachtest.levels import load_level
-from reachtest.levels.read_aas import read_aas
-from reachtest.levels.scene import Piece, Unreadable
+from reachtest.levels.meshes.scene import Piece, Unreadable
+from reachtest.levels.navmeshes.aas import read_aas
 from tests.unit.levels.make import WriteLevel, only_problem
 
 SHARED = Path(__file__).parents[4] / "shared" / "levels"

@@ -16,11 +16,12 @@ from hypothesis import strategies as st
 
 from reachtest.errors import BadInput
 from reachtest.levels import check_level, load_level
-from reachtest.levels.meshes import Mesh
-from reachtest.levels.read_detour import DetourMesh, detour_mesh, read_detour
-from reachtest.levels.read_navmesh import read_navmesh
-from reachtest.levels.scene import Unreadable
-from reachtest.levels.schema import FrameSpec, NavMeshSpec
+from reachtest.levels.keys.geometry import FrameSpec
+from reachtest.levels.keys.navmesh import NavMeshSpec
+from reachtest.levels.meshes.read import Mesh
+from reachtest.levels.meshes.scene import Unreadable
+from reachtest.levels.navmeshes.detour import DetourMesh, detour_mesh, read_detour
+from reachtest.levels.navmeshes.read import read_navmesh
 from tests.unit.levels.make import WriteLevel, only_problem
 
 SHARED = Path(__file__).parents[4] / "shared" / "levels"

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reachtest.levels import load_level
-from reachtest.levels.read_godot import read_godot
-from reachtest.levels.scene import Piece, Unreadable
+from reachtest.levels.meshes.scene import Piece, Unreadable
+from reachtest.levels.navmeshes.godot import read_godot
 from tests.unit.levels.make import WriteLevel, only_problem
 
 SHARED = Path(__file__).parents[4] / "shared" / "levels"

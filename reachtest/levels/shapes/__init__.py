@@ -1,0 +1,1 @@
+"""Shapes that `level.yaml` can state without a mesh file."""
