@@ -10,7 +10,8 @@ import numpy as np
 from reachtest.columns import ColumnIndex
 from reachtest.geometry import indices
 from reachtest.records import Bools, Character, Floats, Ints
-from reachtest.world.controller import Contacts, Plan
+from reachtest.world.contacts import Contacts
+from reachtest.world.controller import Plan
 from reachtest.world.tiled_batch import TiledBatch
 
 OVERLAP_M = 0.02  # deeper than any resting contact: a place that overlaps more is not free

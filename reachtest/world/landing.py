@@ -12,7 +12,7 @@ import numpy as np
 
 from reachtest.geometry import indices
 from reachtest.records import Bools, Floats, Ints
-from reachtest.world.controller import LEANING_NXY
+from reachtest.world.contacts import LEANING_NXY
 from reachtest.world.tiled_batch import TiledBatch
 from reachtest.world.tunnelling import CLEAR_M, DOUBTFUL_M
 

@@ -17,7 +17,8 @@ from reachtest.geometry import indices
 from reachtest.interfaces import Simulator
 from reachtest.records import Bools, EndReason, Floats, Ints, Level, StepResult
 from reachtest.walking import STICK_DIRECTIONS
-from reachtest.world.controller import Contacts, Controller, Plan, Stick, read_contacts
+from reachtest.world.contacts import Contacts, read_contacts
+from reachtest.world.controller import Controller, Plan, Stick
 from reachtest.world.footwork import OVERLAP_M, Footwork
 from reachtest.world.landing import Landings
 from reachtest.world.model import MASS_KG
