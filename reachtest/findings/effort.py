@@ -77,6 +77,8 @@ def describe(exploration: Exploration, attempts: int, goals: Ints | None = None)
     tries = f"{attempts} directed attempt{'s' * (attempts != 1)}{near} did not get there"
     if enough(exploration, attempts):
         return (tries,)
+    if not attempts:
+        tries = "no directed attempt was made to get there"
     return (f"{tries}: inconclusive, explore.effort asks for {exploration.settings.effort}",)
 
 

@@ -35,7 +35,7 @@ def unreached_areas(evidence: Evidence) -> list[Cluster]:
         details, tried = describe(exploration, attempts, goals), enough(exploration, attempts)
         area = Cluster("unreached_area", "", NO_POINTS, (), exploration.goals[goals], details=details)
         (areas if tried else early).append(replace(area, never_gates=allowed or not tried))
-    return areas + (early if len(early) <= _SHOWN else [_not_yet(evidence, early)])
+    return areas + (early if len(early) < 2 else [_not_yet(evidence, early)])
 
 
 def _not_yet(evidence: Evidence, early: list[Cluster]) -> Cluster:
@@ -46,10 +46,12 @@ def _not_yet(evidence: Evidence, early: list[Cluster]) -> Cluster:
         f"{plural(len(area.places), 'goal')} at {say_place(evidence.level, area.places[0])}: {'; '.join(area.details)}"
         for area in early[:_SHOWN]
     ]
+    if len(early) > _SHOWN:
+        details.append(f"and {plural(len(early) - _SHOWN, 'smaller one')}")
     return replace(
         early[0],
         places=places,
-        details=(*details, f"and {plural(len(early) - _SHOWN, 'smaller one')}"),
+        details=tuple(details),
         title=f"{plural(len(early), 'part')} of the nav-mesh with {plural(len(places), 'goal')} were not reached yet",
         position=early[0].places[0],
     )
