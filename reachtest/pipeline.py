@@ -39,16 +39,17 @@ class RunOptions:
     seed: int = 0
     threads: int = 0  # 0: every core
     simulator: str = next(iter(SIMULATORS))
-    overrides: dict[str, Any] = field(default_factory=dict)  # of `explore` and `gate`
+    config: Path | None = None  # sections `explore` and `gate`, over the level's
+    overrides: dict[str, Any] = field(default_factory=dict)  # of the same, over both
     baseline: Path | None = None  # known bugs; wins over the level's `gate.baseline`
     audit: bool = False  # also list ground that the nav-mesh misses
     today: date = field(default_factory=lambda: datetime.now(UTC).date())  # for known bugs that expire
 
 
 def load(options: RunOptions) -> Level:
-    """The level with the command line's overrides. Raises BadInput."""
-    level = load_level(options.level, options.overrides)
-    check_heuristics(level, options.level.name)
+    """The level under the configuration and the command line's overrides. Raises BadInput."""
+    level = load_level(options.level, options.overrides, options.config)
+    check_heuristics(level, " under ".join(file.name for file in (options.level, options.config) if file))
     return level
 
 

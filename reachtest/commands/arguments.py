@@ -8,3 +8,7 @@ from typing import Annotated
 import typer
 
 LevelFile = Annotated[Path, typer.Argument(metavar="LEVEL.yaml", help="The level file.")]
+ConfigFile = Annotated[
+    Path | None,
+    typer.Option("--config", metavar="FILE", help="Sections explore and gate that win over the level's."),
+]

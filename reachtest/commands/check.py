@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 
-from reachtest.commands.arguments import LevelFile
+from reachtest.commands.arguments import ConfigFile, LevelFile
 from reachtest.commands.say import say
 
 
-def validate(level: LevelFile) -> None:
+def validate(level: LevelFile, config: ConfigFile = None) -> None:
     """Check a level file and everything it names, without running it, and say what was understood."""
     from reachtest.baseline import baseline_of
     from reachtest.explore import check_heuristics
     from reachtest.levels import check_level, load_level
 
-    loaded = load_level(level)
-    check_heuristics(loaded, level.name)
+    loaded = load_level(level, config=config)
+    check_heuristics(loaded, " under ".join(file.name for file in (level, config) if file))
     baseline_of(loaded)
     check = check_level(loaded)
     width = max(len(name) for name, _ in check.facts)

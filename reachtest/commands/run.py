@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from reachtest.commands.arguments import LevelFile
+from reachtest.commands.arguments import ConfigFile, LevelFile
 from reachtest.commands.say import say
 from reachtest.errors import BadInput, Problem
 
 
 def run(
     level: LevelFile,
+    config: ConfigFile = None,
     out: Annotated[
         Path | None, typer.Option(help="Output folder. [default: reachtest-out/<level name>]")
     ] = None,
@@ -47,7 +48,7 @@ def run(
     explore = {"steps": steps, "time_budget": time_budget, "agents": agents}
     gate = {} if fail_on is None else {"fail_on": _kinds(fail_on)}
     options = pipeline.with_overrides(
-        pipeline.RunOptions(level, out, seed, threads, baseline=baseline, audit=audit),
+        pipeline.RunOptions(level, out, seed, threads, config=config, baseline=baseline, audit=audit),
         explore=explore,
         gate=gate,
     )

@@ -29,11 +29,11 @@ class Collected:
 
     spec: LevelSpec
     path: Path
+    problems: list[Problem]
 
     def __post_init__(self) -> None:
         self.folder = self.path.parent
         self.frame = make_frame(self.spec.frame.up_axis, self.spec.frame.units)
-        self.problems: list[Problem] = []
         self.collision: list[Floats] = []
         self.height_fields: list[HeightField] = []
         self.solids: list[Solid] = []

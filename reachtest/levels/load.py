@@ -15,7 +15,8 @@ from reachtest.errors import BadInput
 from reachtest.levels.checks.check import check_level
 from reachtest.levels.collect import Collected
 from reachtest.levels.files import missing_files
-from reachtest.levels.keys.document import merge, parse, read_yaml
+from reachtest.levels.keys.document import parse, read_yaml
+from reachtest.levels.keys.overlay import overlay
 from reachtest.levels.meshes.defects import degenerate
 from reachtest.levels.names import distinct
 from reachtest.levels.navmeshes.built import built_navmesh
@@ -39,19 +40,21 @@ BOUNDS_MARGIN_M = (
 )
 
 
-def load_level(path: Path, overrides: Mapping[str, Any] | None = None) -> Level:
+def load_level(path: Path, overrides: Mapping[str, Any] | None = None, config: Path | None = None) -> Level:
     """Read a level file and everything it names.
 
-    `overrides` are values from the command line, section by section as in the file; they win over it.
+    `config` is a file with sections `explore` and `gate`, which win over the level's; `overrides` are values from
+    the command line, section by section as in the file, which win over both.
     Raises BadInput with all problems found: in the schema, the files, the geometry, and its plausibility.
     """
     path = Path(path)
-    given = overrides or {}
-    document = merge(read_yaml(path), given)
-    spec, problems = parse(document, path.name, given)
+    given = overlay(config, overrides)
+    document = given.over(read_yaml(path))
+    spec, problems = parse(document, path.name, given.sources)
+    problems += given.problems
     if spec is None:
         raise BadInput(problems + list(missing_files(document, path)), path)
-    collected = Collected(spec, path)
+    collected = Collected(spec, path, problems)
     collected.read()
     if collected.collision_known:
         level = _assembled(collected)

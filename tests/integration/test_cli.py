@@ -102,6 +102,21 @@ def test_fail_on_chooses_what_gates(open_yard, tmp_path) -> None:
     assert "typo" in done.stderr
 
 
+def test_a_configuration_goes_over_the_level(open_yard, tmp_path) -> None:
+    file = tmp_path / "gate.yaml"
+    file.write_text("explore: {steps: 256}\ngate: {fail_on: []}\n")
+    assert reachtest("validate", open_yard, "--config", file).returncode == 0
+    done = reachtest("run", open_yard, "--config", file, "--json", "--out", tmp_path / "out")
+    assert done.returncode == 4
+    config = json.loads(done.stdout)["config"]
+    assert (config["explore"]["steps"], config["gate"]["fail_on"]) == (256, [])
+    file.write_text("explore: {heuristics: {vizits: 1}}\n")
+    for command in ("run", "validate"):
+        done = reachtest(command, open_yard, "--config", file)
+        assert done.returncode == 2
+        assert "level.yaml under gate.yaml: explore.heuristics" in done.stderr
+
+
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_ends_the_run_with_what_was_found(closed_yard, tmp_path, number, status) -> None:
     arguments = ["run", str(closed_yard), "--steps", "50000000", "--out", str(tmp_path)]

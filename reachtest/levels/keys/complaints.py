@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -13,10 +13,10 @@ from reachtest.levels.keys.fields import dotted, nearest, show
 from reachtest.levels.keys.level import LevelSpec
 
 
-def complaints(error: ValidationError, file: str, overridden: Sequence[str]) -> list[Problem]:
-    """One problem for every mistake; those under the keys `overridden` are the command line's."""
+def complaints(error: ValidationError, file: str, sources: Mapping[str, str]) -> list[Problem]:
+    """One problem for every mistake; those under the keys of `sources` are not the `file`'s but theirs."""
     errors = error.errors(include_url=False)
-    return [_problem(details, file, overridden) for details in errors if not _follows(details, errors)]
+    return [_problem(details, file, sources) for details in errors if not _follows(details, errors)]
 
 
 def _follows(details: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
@@ -32,10 +32,10 @@ def _follows(details: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
     return any(repr(loc[-1]) in nearest(word, keys) for word in unknown)
 
 
-def _problem(details: ErrorDetails, file: str, overridden: Sequence[str]) -> Problem:
+def _problem(details: ErrorDetails, file: str, sources: Mapping[str, str]) -> Problem:
     loc = tuple(part for part in details["loc"] if part != "[key]")
     key = dotted(loc)
-    source = "command line" if any(key.startswith(name) for name in overridden) else file
+    source = next((source for name, source in sources.items() if key.startswith(name)), file)
     where = f"{source}: {key}" if key else source
     if details["type"] == "extra_forbidden":
         keys = _keys(_model_at(loc[:-1]))
@@ -59,6 +59,8 @@ def _found(value: Any) -> str:
 def _remedy(details: ErrorDetails, loc: Sequence[int | str]) -> str:
     message = details["msg"].removeprefix("Value error, ").removeprefix("Input ").removeprefix("Tuple ")
     message = message.replace("should", "must", 1).removesuffix(" after validation, not 0")
+    if details["type"] == "model_type":
+        message = "must have keys of its own"
     meaning = _meaning(loc)
     return f"{message} ({meaning})" if meaning and details["type"] != "value_error" else message
 

@@ -1,8 +1,8 @@
-"""Reads `level.yaml` into its models, with the command line's values over it."""
+"""Reads YAML files, and `level.yaml` into its models."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,13 +30,16 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def read_yaml(path: Path) -> dict[str, Any]:
-    """The mapping in a YAML file. Raises BadInput naming line and column."""
+def read_yaml(path: Path, what: str = "a level", start: str = "start with 'version: 1'") -> dict[str, Any]:
+    """The mapping in a YAML file, which is `what`. Raises BadInput naming line and column.
+
+    `start` is the remedy where it holds something else.
+    """
     try:
         data = path.read_bytes()
     except OSError as error:
         siblings = [other.name for other in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
-        remedy = f"{nearest(path.name, siblings)}give the path of a level.yaml that can be read"
+        remedy = f"{nearest(path.name, siblings)}give the path of {what}'s YAML file that can be read"
         raise BadInput([Problem(str(path), f"{error.strerror or error}", remedy)], path) from error
     try:
         document = yaml.load(data.decode("utf-8-sig"), Loader=_Loader)
@@ -46,48 +49,19 @@ def read_yaml(path: Path) -> dict[str, Any]:
         found = f"{place}{getattr(error, 'problem', None) or error}"
         raise BadInput([Problem(path.name, found, "correct the YAML syntax there")], path) from error
     except RecursionError as error:
-        remedy = "take out brackets or indentation: no key of a level goes as deep"
+        remedy = f"take out brackets or indentation: no key of {what} goes as deep"
         raise BadInput([Problem(path.name, "is nested too deep to read", remedy)], path) from error
     if not isinstance(document, dict):
         found = f"holds {show(document)}, not a mapping"
-        raise BadInput([Problem(path.name, found, "start with 'version: 1'")], path)
+        raise BadInput([Problem(path.name, found, start)], path)
     return document
 
 
-def merge(document: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """`document` with the values of `overrides` put over it, section by section."""
-    merged = dict(document)
-    for key, value in overrides.items():
-        below = merged.get(key)
-        merged[key] = (
-            merge(below or {}, value) if isinstance(value, Mapping) and _is_section(below) else value
-        )
-    explore, over = merged.get("explore"), overrides.get("explore") or {}
-    if isinstance(explore, dict) and over.keys() & {"time_budget", "time_budget_s"}:
-        # One budget under two names: the one from the command line wins.
-        for name in {"time_budget", "time_budget_s"} - over.keys():
-            explore.pop(name, None)
-    return merged
-
-
-def _is_section(value: Any) -> bool:
-    return value is None or isinstance(value, Mapping)
-
-
 def parse(
-    document: Mapping[str, Any], file: str, overrides: Mapping[str, Any]
+    document: Mapping[str, Any], file: str, sources: Mapping[str, str]
 ) -> tuple[LevelSpec | None, list[Problem]]:
-    """The models of a document, or all its problems; those of overridden values are the command line's."""
+    """The models of a document, or all its problems; `sources` tells of keys that others than `file` say."""
     try:
         return LevelSpec.model_validate(document), []
     except ValidationError as error:
-        given = tuple(_leaves(overrides))
-        return None, complaints(error, file, given)
-
-
-def _leaves(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in tree.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}"
+        return None, complaints(error, file, sources)
