@@ -42,7 +42,7 @@ class Ledger:
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
         place_m = min(s.threshold_m, RADII_A_PLACE * level.character.radius_m)
-        self.transitions = Transitions(place_m, Retrace.of(level.character))
+        self.transitions = Transitions(place_m, spawns.shape[1], Retrace.of(level.character))
         self.on_navmesh = sample_goals(level.navmesh, s.goal_spacing_m)
         self.goals = self._all_goals(level)  # on the nav-mesh, then required points
         self.falls: list[Fall] = []

@@ -146,11 +146,14 @@ class Prober:
         return core if len(core) else region.rows[known[region.rows]]
 
     def _front(self, trapped: Trapped, rows: Ints) -> Front:
-        """The characters as they were at places `rows` [n]: simulated again, bit for bit."""
-        origins = [Origin(*row) for row in trapped.graph.origins[rows].tolist()]
+        """The characters as they were at places `rows` [n]."""
         graph = trapped.graph
-        keys = graph.keys[rows]
-        return Front(self._replayer.states_at(origins), Stays(graph.places[rows], lies(keys)), keys)
+        keys, states = graph.keys[rows], graph.states[rows]
+        began = np.flatnonzero(np.isnan(states[:, 0]))
+        origins = [Origin(*row) for row in graph.origins[rows[began]].tolist()]
+        if origins:
+            states[began] = self._replayer.states_at(origins)
+        return Front(states, Stays(graph.places[rows], lies(keys)), keys)
 
     def _nudged(self, rng: np.random.Generator, front: Front, chosen: Bools) -> Front:
         """The chosen characters [n] a little beside where they were: what only holds to the millimetre is no trap."""

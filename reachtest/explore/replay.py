@@ -105,16 +105,18 @@ class Replayer:
 
     def _simulate_together(self, origins: Sequence[Origin]) -> None:
         length = [origin.step - origin.start for origin in origins]
-        actions = np.zeros((max(length), self._simulator.agents, 2), dtype=np.int8)
+        actions = np.zeros((max(length), len(origins), 2), dtype=np.int8)
         for lane, origin in enumerate(origins):
             actions[: length[lane], lane] = self.actions_of(origin)
         starts = np.array([self._start_state(origin.parent) for origin in origins])
+        self._simulator.use(len(origins))
         self._simulator.restore(np.arange(len(origins)), starts)
         states = np.empty((max(length), *starts.shape))
         stood = np.empty((max(length), len(origins), 3))
         for t in range(max(length)):
-            stood[t] = self._simulator.step(actions[t]).stood[: len(origins)]
-            states[t] = self._simulator.save()[: len(origins)]
+            stood[t] = self._simulator.step(actions[t]).stood
+            states[t] = self._simulator.save()
+        self._simulator.use(self._simulator.agents)
         for lane, (origin, steps) in enumerate(zip(origins, length, strict=True)):
             self._done[origin] = Episode(states[:steps, lane].copy(), stood[:steps, lane].copy())
 

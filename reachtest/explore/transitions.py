@@ -5,7 +5,7 @@ from where it left the ground to where it landed. Cells in the air would join th
 Lying somewhere is another place than standing in the same cell: who is wedged in there does not get away as who
 stands beside it does.
 
-Shape legend: B lanes, T agent steps of a round, N places, E transitions.
+Shape legend: B lanes, T agent steps of a round, N places, E transitions, S state size.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ class Graph:
     origins: NDArray[
         np.int32
     ]  # [N, 5] how it got there, as in `Origin`; parent `UNKNOWN` where probes found it
+    states: Floats  # [N, S] of the character at the end of that; NaN where nothing was done yet
     ends: Ints  # [E, 2] rows of `keys`: from, to
 
     def leads_to(self, goals: Bools) -> Bools:
@@ -70,24 +71,25 @@ class Graph:
 class Transitions:
     """Collects the transitions of a run."""
 
-    def __init__(self, cell_m: float, retrace: Retrace | None = None) -> None:
-        """`retrace` tells which ways lead back as well; None: none that was not taken."""
+    def __init__(self, cell_m: float, state_size: int, retrace: Retrace | None = None) -> None:
+        """S is `state_size`; `retrace` tells which ways lead back as well; None: none that was not taken."""
         self._retrace = retrace
         self._cell = np.array([cell_m, cell_m, cell_m / FLATTER])
         self._keys: Ints = np.array([OUT], dtype=np.int64)
         self._places = np.full((1, 3), np.nan, dtype=np.float32)
         self._origins = np.full((1, 5), UNKNOWN, dtype=np.int32)
+        self._states = np.full((1, state_size), np.nan)
         self._ends: Ints = np.empty((0, 2), dtype=np.int64)
-        # Keys, places, origins and ends of rounds not merged yet.
-        self._fresh: list[tuple[Ints, NDArray[np.float32], NDArray[np.int32], Ints]] = []
+        # Keys, places, origins, states and ends of rounds not merged yet.
+        self._fresh: list[tuple[Ints, NDArray[np.float32], NDArray[np.int32], Floats, Ints]] = []
         self._waiting = 0
 
     @property
     def nbytes(self) -> int:
         """Memory of what is stored."""
         fresh = sum(array.nbytes for rows in self._fresh for array in rows)
-        merged = self._keys.nbytes + self._places.nbytes + self._origins.nbytes + self._ends.nbytes
-        return merged + fresh
+        merged = self._keys, self._places, self._origins, self._states, self._ends
+        return fresh + sum(array.nbytes for array in merged)
 
     def cells(self, positions: Floats, lying: Bools | Literal[False] = False) -> Ints:
         """The key [n] of the cell of each of `positions` [n, 3], for who stands or lies there [n].
@@ -123,8 +125,9 @@ class Transitions:
             here = self._retrace.lead_back(rolled, standing, lane, time, places[:, 2], step)
             ends = np.concatenate([ends, np.stack([keys[here], keys[here - 1]], axis=1)])
         known, first = np.unique(keys, return_index=True)
-        origins = _origins(rolled, lane[first], time[first], parents, round_)
-        self._fresh.append((known, places[first].astype(np.float32), origins, _distinct(ends)))
+        lane, time = lane[first], time[first]
+        origins, states = _origins(rolled, lane, time, parents, round_), _states(rolled, lane, time)
+        self._fresh.append((known, places[first].astype(np.float32), origins, states, _distinct(ends)))
         self._waiting += len(ends)
         if self._waiting * _GROWTH > len(self._ends):
             self._merge()
@@ -133,15 +136,16 @@ class Transitions:
         """Everything so far."""
         self._merge()
         ends = np.searchsorted(self._keys, self._ends)
-        return Graph(self._keys, self._places.astype(np.float64), self._origins, ends)
+        return Graph(self._keys, self._places.astype(np.float64), self._origins, self._states, ends)
 
     def _merge(self) -> None:
         keys = np.concatenate([self._keys, *(rows[0] for rows in self._fresh)])
         places = np.concatenate([self._places, *(rows[1] for rows in self._fresh)])
         origins = np.concatenate([self._origins, *(rows[2] for rows in self._fresh)])
+        states = np.concatenate([self._states, *(rows[3] for rows in self._fresh)])
         self._keys, first = np.unique(keys, return_index=True)  # the earliest of equals
-        self._places, self._origins = places[first], origins[first]
-        self._ends = _distinct(np.concatenate([self._ends, *(rows[3] for rows in self._fresh)]))
+        self._places, self._origins, self._states = places[first], origins[first], states[first]
+        self._ends = _distinct(np.concatenate([self._ends, *(rows[4] for rows in self._fresh)]))
         self._fresh, self._waiting = [], 0
 
 
@@ -175,11 +179,23 @@ def _origins(
     """How the characters got to where they were in `lane` [n] at `time` [n]: origins [n, 5]."""
     result = np.full((len(lane), 5), UNKNOWN, dtype=np.int32)
     if parents is not None:
-        t, step = time // TIMES, (time + TIMES - 1) // TIMES  # before a step: nothing was done yet
+        t = time // TIMES
         parent = parents[rolled.which[t, lane], lane]
-        columns = parent, np.full(len(lane), round_), lane, rolled.start[t, lane], step
+        columns = parent, np.full(len(lane), round_), lane, rolled.start[t, lane], _steps_done(time)
         result[:] = np.stack(columns, axis=1)
     return result
+
+
+def _states(rolled: Trajectories, lane: Ints, time: Ints) -> Floats:
+    """The states [n, S] of the characters then; NaN where nothing was done yet."""
+    t, done = time // TIMES, _steps_done(time)
+    moved = (done > rolled.start[t, lane])[:, None]
+    return np.where(moved, rolled.states[np.maximum(done - 1, 0), lane], np.nan)
+
+
+def _steps_done(time: Ints) -> Ints:
+    """Agent steps of the round [n] that were done by then."""
+    return (time + TIMES - 1) // TIMES
 
 
 def _visits(rolled: Trajectories, starts: Stays) -> tuple[Ints, Ints, Ints, Stays, Bools]:

@@ -11,11 +11,13 @@ from reachtest.explore import Explorer, Replayer
 from reachtest.explore.actions import action_stream
 from reachtest.explore.goals import sample_goals
 from reachtest.explore.rollout import roll_out
+from reachtest.explore.transitions import UNKNOWN
 from reachtest.records import (
     EndReason,
     Exploration,
     ExploreSettings,
     NavMesh,
+    Origin,
     RoundRecord,
     StepResult,
     StopReason,
@@ -36,10 +38,12 @@ class Dot:
     """Walks a metre a step on a plane without end; falls where x > 20."""
 
     def __init__(self, agents: int) -> None:
-        self._states = np.zeros((agents, 6))
+        self.agents, self._states = agents, np.zeros((agents, 6))
 
-    agents = property(lambda self: len(self._states))
     step_s = 0.1
+
+    def use(self, agents):
+        self._states = np.resize(self._states, (agents, 6))
 
     def place(self, positions):
         return np.concatenate([positions, np.zeros_like(positions)], axis=1)
@@ -58,7 +62,7 @@ class Dot:
         positions = self._states[:, :3]
         ended = np.where(positions[:, 0] > 20, EndReason.FELL, EndReason.ALIVE).astype(np.int8)
         stood = np.where((ended == EndReason.ALIVE)[:, None], positions, np.nan)
-        return StepResult(positions.copy(), np.ones(self.agents, dtype=bool), stood, ended)
+        return StepResult(positions.copy(), np.ones(len(positions), dtype=bool), stood, ended)
 
 
 class Plane:
@@ -166,6 +170,20 @@ def test_every_point_and_fall_is_replayed_bit_for_bit() -> None:
     fall = replayer.path_to_fall(result.falls[-1])
     assert fall.succeeded == 1
     assert fall.duration_s == pytest.approx(len(fall.positions) * 0.1)
+
+
+def test_who_got_to_a_place_is_kept_as_it_was_there_bit_for_bit() -> None:
+    explorer = Explorer(LEVEL, Dot(4), Plane(), 0)
+    result = explorer.run()
+    graph = explorer._ledger.transitions.graph()
+    known = np.flatnonzero(graph.origins[:, 0] != UNKNOWN)
+    origins = [Origin(*row) for row in graph.origins[known].tolist()]
+    moved = np.array([origin.step > origin.start for origin in origins])
+    assert 100 < moved.sum() < len(moved)
+    replayer = Replayer(LEVEL, Dot(4), result.points, 0, result.headings)
+    again, kept = replayer.states_at(origins), graph.states[known]
+    np.testing.assert_array_equal(kept[moved], again[moved])
+    assert np.isnan(kept[~moved]).all()
 
 
 def test_a_simulator_that_does_not_restore_is_an_internal_error() -> None:
