@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from reachtest.explore.actions import JUMP_SHARE, heading_of, start_generator
 from reachtest.explore.attempts import Attempt, Attempts, Front
@@ -18,7 +17,7 @@ from reachtest.explore.replay import Replayer
 from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies
 from reachtest.interfaces import Simulator, Teller
 from reachtest.navmesh.islands import Islands
-from reachtest.records import Bools, Fall, Floats, Ints, Level, Origin, Pocket, Points
+from reachtest.records import Bools, Fall, Ints, Level, Origin, Pocket, Points
 
 ATTEMPTS = 256  # episodes that try to leave a region before it is called one without a way out
 ATTEMPTS_A_PLACE = 1  # more for every cell of it: a hall has many doors
@@ -134,7 +133,7 @@ class Prober:
         count = len(number)
         known = region.rows[trapped.graph.origins[region.rows, 0] != UNKNOWN]
         core, any_ = rng.choice(self._known(trapped, region), count), rng.choice(known, count)
-        away = np.linalg.norm(places[known] - self._way_back(trapped, places[known]), axis=1)
+        away = np.linalg.norm(places[known] - trapped.way_back(places[known]), axis=1)
         nearest = max(min(BORDER, len(known) // 4), len(known) // 8, 1)
         border = rng.choice(known[np.argsort(away, kind="stable")[:nearest]], count)
         return np.choose(number // 16 % 4, [core, border, core if region.stuck else border, any_])
@@ -165,12 +164,7 @@ class Prober:
 
     def _back(self, trapped: Trapped, front: Front) -> Ints:
         """The headings [n] to the nearest place that leads back."""
-        return heading_of(self._way_back(trapped, front.footings) - front.footings)
-
-    def _way_back(self, trapped: Trapped, places: Floats) -> Floats:
-        """The place that leads back nearest to each of `places` [n, 3]."""
-        known = trapped.graph.places[trapped.back & ~trapped.graph.is_out]
-        return known[cKDTree(known).query(places)[1]] if len(known) else places
+        return heading_of(trapped.way_back(front.footings) - front.footings)
 
     # --- what is left -----------------------------------------------------------------------------
 

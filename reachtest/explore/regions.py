@@ -6,6 +6,7 @@ Shape legend: N places of the transition graph, T trapped ones among them, S spa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -39,6 +40,16 @@ class Trapped:
     back: Bools  # [N] places that lead back to a spawn, or out of the world
     suspects: Ints  # keys of the places that do not, and that the exploration got to itself
     regions: list[Region]  # largest first
+
+    def way_back(self, places: Floats) -> Floats:
+        """The place that leads back to a spawn nearest to each of `places` [n, 3]; themselves if none does."""
+        known, tree = self._ways_back
+        return known[tree.query(places)[1]] if len(known) else places
+
+    @cached_property
+    def _ways_back(self) -> tuple[Floats, cKDTree]:
+        known = self.graph.places[self.back & ~self.graph.is_out]
+        return known, cKDTree(known)
 
 
 class TrapFinder:
