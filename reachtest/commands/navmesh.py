@@ -62,7 +62,8 @@ def _section(level: Path, given: dict[str, Any]) -> Any:
 
     section = read_yaml(level).get("navmesh")
     if isinstance(section, dict) and "build" in section:
-        return {"build": given}
+        own = section["build"]
+        return {"build": {**(own or {}), **given}} if isinstance(own or {}, dict) else {}
     spec = BuildSpec.model_validate(given)
     return NavMeshSpec.model_validate({"build": spec})  # no mapping: takes the place of the whole section
 

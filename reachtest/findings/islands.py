@@ -28,33 +28,13 @@ def unreached_areas(evidence: Evidence) -> list[Cluster]:
     exploration, counts = evidence.exploration, evidence.survey.counts
     least = evidence.level.gate.min_goals_reached
     allowed = least < 1 and (exploration.goal_step[counts] >= 0).mean() >= least
-    areas: list[Cluster] = []
-    early: list[Cluster] = []
+    areas = []
     for goals in open_areas(exploration, counts):
         attempts = attempts_at(exploration, goals)
-        details, tried = describe(exploration, attempts, goals), enough(exploration, attempts)
-        area = Cluster("unreached_area", "", NO_POINTS, (), exploration.goals[goals], details=details)
-        (areas if tried else early).append(replace(area, never_gates=allowed or not tried))
-    return areas + (early if len(early) < 2 else [_not_yet(evidence, early)])
-
-
-def _not_yet(evidence: Evidence, early: list[Cluster]) -> Cluster:
-    """The areas that a run left open as it ended far too early, said once, the largest first."""
-    early = sorted(early, key=lambda area: -len(area.places))
-    places = np.concatenate([area.places for area in early])
-    details = [
-        f"{plural(len(area.places), 'goal')} at {say_place(evidence.level, area.places[0])}: {'; '.join(area.details)}"
-        for area in early[:_SHOWN]
-    ]
-    if len(early) > _SHOWN:
-        details.append(f"and {plural(len(early) - _SHOWN, 'smaller one')}")
-    return replace(
-        early[0],
-        places=places,
-        details=tuple(details),
-        title=f"{plural(len(early), 'part')} of the nav-mesh with {plural(len(places), 'goal')} were not reached yet",
-        position=early[0].places[0],
-    )
+        area = Cluster("unreached_area", "", NO_POINTS, (), exploration.goals[goals])
+        details = describe(exploration, attempts, goals)
+        areas.append(replace(area, details=details, never_gates=allowed or not enough(exploration, attempts)))
+    return areas
 
 
 def unconnected_islands(evidence: Evidence) -> list[Cluster]:

@@ -1,7 +1,9 @@
 """Stage levels: reads `level.yaml` and the meshes it names, and says everything that is wrong with them.
 
-Reading order: `keys` (what the file may say and how it is read), `shapes`, `meshes` and `navmeshes` (what it names),
-`collect` (reads all of that), `load` (how it becomes a `Level`), `checks` (whether that level is plausible).
+Reading order: `frames` and `fields` (axes, units, single values), `keys` (what the file may say, how it is read, and
+what a configuration puts over it), `shapes`, `meshes` and `navmeshes` (what it names), `collect` (reads all of that),
+`load` (how it becomes a `Level`), `checks` (whether that level is plausible). That is no order of imports: the keys
+know the formats that they may name.
 """
 
 from reachtest.levels.checks.check import Check, check_level

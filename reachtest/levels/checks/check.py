@@ -121,6 +121,8 @@ def _facts(level: Level, floor_share: float) -> tuple[tuple[str, str], ...]:
         ("spawns", ", ".join(f"{spawn.name} {_point(spawn.position)}" for spawn in level.spawns[:8])),
         ("kill_z", f"{level.kill_z_m:.4g} m"),
         ("bounds", f"{_point(low)} to {_point(high)} m"),
+        ("explored with", f"{level.explore.steps:,} agent steps{_time(level.explore.time_budget_s)}"),
+        ("fails on", ", ".join(level.gate.fail_on) or "nothing"),
     ]
     if reading:
         frame = reading.navmesh_frame
@@ -130,6 +132,10 @@ def _facts(level: Level, floor_share: float) -> tuple[tuple[str, str], ...]:
 
 def _limits(level: Level) -> str:
     return f"slope {level.character.slope_limit_deg:g} deg, gravity {level.character.gravity_mps2:g} m/s2"
+
+
+def _time(budget_s: float | None) -> str:
+    return "" if budget_s is None else f", {budget_s:,.0f} s at most"
 
 
 def _left_out(count: int) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema
 
-from reachtest.levels.keys.fields import OneOf, Spec, either, optional_number
+from reachtest.levels.fields import OneOf, Spec, either, optional_number
 from reachtest.levels.keys.presets import DEFAULTS, PRESETS
 from reachtest.records import Character
 
@@ -17,6 +17,7 @@ PresetName = Annotated[str, OneOf(PRESETS)]
 class CharacterSpec(Spec):
     """The capsule and its movement rules: a preset, single numbers over a preset, or all numbers."""
 
+    short: ClassVar[str] = "a preset's name"
     preset: PresetName | None = Field(None, description="Start from an engine's defaults.")
     radius_m: float | None = optional_number("Radius of the capsule [m].", above=0, most=100)
     height_m: float | None = optional_number("Full height of the capsule [m].", above=0, most=1000)

@@ -9,12 +9,12 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from reachtest.errors import Problem
-from reachtest.levels.keys.fields import dotted, nearest, show
+from reachtest.levels.fields import dotted, nearest, show
 from reachtest.levels.keys.level import LevelSpec
 
 
-def complaints(error: ValidationError, file: str, sources: Mapping[str, str]) -> list[Problem]:
-    """One problem for every mistake; those under the keys of `sources` are not the `file`'s but theirs."""
+def complaints(error: ValidationError, file: str, sources: Mapping[tuple[str, ...], str]) -> list[Problem]:
+    """One problem for every mistake; `sources` tells of keys that others than `file` say."""
     errors = error.errors(include_url=False)
     return [_problem(details, file, sources) for details in errors if not _follows(details, errors)]
 
@@ -32,10 +32,11 @@ def _follows(details: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
     return any(repr(loc[-1]) in nearest(word, keys) for word in unknown)
 
 
-def _problem(details: ErrorDetails, file: str, sources: Mapping[str, str]) -> Problem:
+def _problem(details: ErrorDetails, file: str, sources: Mapping[tuple[str, ...], str]) -> Problem:
     loc = tuple(part for part in details["loc"] if part != "[key]")
     key = dotted(loc)
-    source = next((source for name, source in sources.items() if key.startswith(name)), file)
+    path = tuple(part for part in loc if isinstance(part, str))
+    source = _source(path, file, sources, bool(path) and details["type"] == "value_error")
     where = f"{source}: {key}" if key else source
     if details["type"] == "extra_forbidden":
         keys = _keys(_model_at(loc[:-1]))
@@ -46,6 +47,15 @@ def _problem(details: ErrorDetails, file: str, sources: Mapping[str, str]) -> Pr
     if details["type"] == "missing":
         return Problem(where, "is missing", f"add it: {_meaning(loc)}".removesuffix(": "))
     return Problem(where, _found(details["input"]), _remedy(details, loc))
+
+
+def _source(path: tuple[str, ...], file: str, sources: Mapping[tuple[str, ...], str], together: bool) -> str:
+    """Who says what stands at `path`; all who say something of it, where that is wrong `together`."""
+    for length in range(len(path), 0, -1):
+        if path[:length] in sources:
+            return sources[path[:length]]
+    others = {source: None for key, source in sources.items() if together and key[: len(path)] == path}
+    return " and ".join([file, *others])
 
 
 def _found(value: Any) -> str:
@@ -60,7 +70,8 @@ def _remedy(details: ErrorDetails, loc: Sequence[int | str]) -> str:
     message = details["msg"].removeprefix("Value error, ").removeprefix("Input ").removeprefix("Tuple ")
     message = message.replace("should", "must", 1).removesuffix(" after validation, not 0")
     if details["type"] == "model_type":
-        message = "must have keys of its own"
+        short = getattr(_model_at(loc), "short", "")
+        message = "must have keys of its own" + (f", or be {short}" if short else "")
     meaning = _meaning(loc)
     return f"{message} ({meaning})" if meaning and details["type"] != "value_error" else message
 

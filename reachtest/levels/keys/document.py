@@ -10,8 +10,8 @@ import yaml
 from pydantic import ValidationError
 
 from reachtest.errors import BadInput, Problem
+from reachtest.levels.fields import nearest, show
 from reachtest.levels.keys.complaints import complaints
-from reachtest.levels.keys.fields import nearest, show
 from reachtest.levels.keys.level import LevelSpec
 
 
@@ -58,7 +58,7 @@ def read_yaml(path: Path, what: str = "a level", start: str = "start with 'versi
 
 
 def parse(
-    document: Mapping[str, Any], file: str, sources: Mapping[str, str]
+    document: Mapping[str, Any], file: str, sources: Mapping[tuple[str, ...], str]
 ) -> tuple[LevelSpec | None, list[Problem]]:
     """The models of a document, or all its problems; `sources` tells of keys that others than `file` say."""
     try:

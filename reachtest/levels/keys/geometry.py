@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, create_model, model_validator
 
+from reachtest.levels.fields import Name, OneOf, Spec, Units
 from reachtest.levels.frames import UP_AXES
-from reachtest.levels.keys.fields import Name, OneOf, Spec, Units
 from reachtest.levels.shapes.primitives import PRIMITIVES
 
 UpAxis = Annotated[str, OneOf(UP_AXES)]

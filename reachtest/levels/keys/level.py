@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     Field,
@@ -13,25 +13,20 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema
 
-from reachtest.levels.frames import UP_AXES
+from reachtest.levels.fields import Name, Number, OneOf, Point, Spec, either
 from reachtest.levels.keys.character import CharacterSpec
-from reachtest.levels.keys.fields import Name, Number, OneOf, Point, Spec, either
 from reachtest.levels.keys.geometry import FrameSpec, GeometrySpec
 from reachtest.levels.keys.navmesh import NavMeshSpec
-from reachtest.levels.keys.presets import PRESETS
 from reachtest.levels.keys.settings import ExploreSpec, GateSpec
-from reachtest.levels.navmeshes.formats import AUTO, NAVMESH_FORMATS
 from reachtest.levels.shapes.primitives import AlignedBox
 
-UpAxis = Annotated[str, OneOf(UP_AXES)]
-PresetName = Annotated[str, OneOf(PRESETS)]
-NavMeshFormat = Annotated[str, OneOf((AUTO, *NAVMESH_FORMATS))]
 ZoneKind = Annotated[str, OneOf(("forbidden", "allowed_off_mesh"))]
 
 
 class SpawnSpec(Spec):
     """Where the player starts."""
 
+    short: ClassVar[str] = "its position: [x, y, z]"
     name: Name | None = Field(None, description="What reports call the spawn.")
     position: Point = Field(description="Position of the feet, in the frame's axes and units.")
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from reachtest.levels.keys.fields import Name, OneOf, Spec, optional_number
+from reachtest.levels.fields import Name, OneOf, Spec, optional_number
 from reachtest.levels.keys.geometry import MeshSpec
 from reachtest.levels.navmeshes.formats import AUTO, NAVMESH_FORMATS
 

@@ -8,14 +8,24 @@ from pathlib import Path
 from typing import Any
 
 from reachtest.errors import Problem
+from reachtest.levels.fields import nearest, show
 from reachtest.levels.keys.document import read_yaml
-from reachtest.levels.keys.fields import nearest
 
 COMMAND_LINE = "command line"
 CONFIG_SECTIONS = (
     "explore",
     "gate",
 )  # what may differ from run to run; what a level is stands in its own file
+LEVELS_OWN = {
+    (
+        "explore",
+        "expected_within_m",
+    ): "it says what the level's nav-mesh promises: put it into the level file",
+    ("gate", "baseline"): "known bugs are one level's: put it into the level file, or give --baseline",
+}
+_BUDGETS = {"time_budget", "time_budget_s"}
+
+KeyPath = tuple[str, ...]  # section, key, ...
 
 
 @dataclass
@@ -23,19 +33,19 @@ class Overlay:
     """Layers of values, section by section as in a level file; the later ones win."""
 
     layers: list[Mapping[str, Any]] = field(default_factory=list)
-    sources: dict[str, str] = field(default_factory=dict)  # who says so, for every key of a layer
+    sources: dict[KeyPath, str] = field(default_factory=dict)  # who says so, for every key of a layer
     problems: list[Problem] = field(default_factory=list)
 
     def add(self, values: Mapping[str, Any], source: str) -> None:
         """Put `values` on top."""
         self.layers.append(values)
-        self.sources.update(dict.fromkeys(_leaves(values), source))
+        self.sources.update(dict.fromkeys(_keys(values), source))
 
     def over(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """`document` under all the layers."""
         merged = dict(document)
         for layer in self.layers:
-            merged = merge(merged, layer)
+            merged |= {section: _over(merged.get(section), values) for section, values in layer.items()}
         return merged
 
 
@@ -43,38 +53,46 @@ def overlay(config: Path | None, command_line: Mapping[str, Any] | None) -> Over
     """What a configuration file and the command line say. Raises BadInput where the file cannot be read."""
     result = Overlay()
     if config is not None:
-        said = read_yaml(
-            config, "a configuration", "give it the sections explore and gate, as a level file has them"
-        )
-        for key in (key for key in said if key not in CONFIG_SECTIONS):
-            remedy = f"{nearest(str(key), CONFIG_SECTIONS)}valid: {', '.join(CONFIG_SECTIONS)}"
-            result.problems.append(
-                Problem(config.name, f"unknown key {key!r}", f"{remedy}; all else stands in the level file")
-            )
-        result.add({key: said[key] for key in CONFIG_SECTIONS if said.get(key) is not None}, config.name)
+        remedy = "give it the sections explore and gate, as a level file has them"
+        said = read_yaml(config, "a configuration", remedy)
+        result.problems = list(_out_of_place(said, config.name))
+        result.add({key: _allowed(key, said[key]) for key in CONFIG_SECTIONS if key in said}, config.name)
     result.add(command_line or {}, COMMAND_LINE)
     return result
 
 
-def merge(document: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-    """`document` with `values` put over it, section by section."""
-    merged = dict(document)
-    for key, value in values.items():
-        below = merged.get(key)
-        if not isinstance(value, Mapping):
-            merged[key] = value
-        elif below is None or isinstance(below, Mapping):  # else the mistake below stays, to be told
-            merged[key] = merge(below or {}, value)
-    if "time_budget" in values or "time_budget_s" in values:
-        # One budget under two names: the one on top wins.
-        for name in {"time_budget", "time_budget_s"} - values.keys():
-            merged.pop(name, None)
-    return merged
+def _out_of_place(said: Mapping[str, Any], file: str) -> Iterator[Problem]:
+    """What a configuration says that only a level file may."""
+    for key in (key for key in said if key not in CONFIG_SECTIONS):
+        remedy = f"{nearest(str(key), CONFIG_SECTIONS)}valid: {', '.join(CONFIG_SECTIONS)}"
+        yield Problem(file, f"unknown key {key!r}", f"{remedy}; all else stands in the level file")
+    for (section, key), why in LEVELS_OWN.items():
+        values = said.get(section)
+        if isinstance(values, Mapping) and key in values:
+            yield Problem(f"{file}: {section}.{key}", f"found {show(values[key])}", why)
 
 
-def _leaves(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
-    for key, value in tree.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}"
+def _allowed(section: str, values: Any) -> Any:
+    if not isinstance(values, Mapping):
+        return values
+    return {key: value for key, value in values.items() if (section, key) not in LEVELS_OWN}
+
+
+def _over(below: Any, values: Any) -> Any:
+    """A section with `values` over it; a mistake below stays, to be told."""
+    if values is None or not isinstance(below or {}, Mapping):
+        return below
+    if not isinstance(values, Mapping):
+        return values
+    merged = dict(below or {})
+    if given := _BUDGETS & values.keys():  # one budget under two names: the one on top wins
+        merged = {key: value for key, value in merged.items() if key not in _BUDGETS - given}
+    return merged | dict(values)
+
+
+def _keys(values: Mapping[str, Any]) -> Iterator[KeyPath]:
+    for section, below in values.items():
+        if isinstance(below, Mapping) and below:
+            yield from ((section, key) for key in below)
+        elif below is not None:
+            yield (section,)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
-from reachtest.levels.keys.fields import Duration, Name, OneOf, Spec
+from reachtest.levels.fields import Duration, Name, OneOf, Spec
 from reachtest.records import KINDS, SEVERITIES, ExploreSettings
 
 FAIL_ON = (

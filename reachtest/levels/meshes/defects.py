@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.meshes.scene import Piece
 from reachtest.records import Bools, Floats
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from reachtest.levels.keys.fields import dotted, show
+from reachtest.levels.fields import dotted, show
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # mesh.primitive.mode
 _BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}  # by accessor.componentType

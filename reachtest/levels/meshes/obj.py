@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from reachtest.levels.keys.fields import FARTHEST, show
+from reachtest.levels.fields import FARTHEST, show
 from reachtest.levels.meshes.scene import MOST_SHOWN, NavFile, Piece, Unreadable, read_scene, several
 from reachtest.records import NavAgent
 

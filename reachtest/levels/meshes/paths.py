@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from reachtest.levels.keys.fields import nearest
+from reachtest.levels.fields import nearest
 
 
 def file_problem(

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from reachtest.errors import BadInput, Problem
+from reachtest.levels.fields import nearest
 from reachtest.levels.frames import make_frame
-from reachtest.levels.keys.fields import nearest
 from reachtest.levels.keys.geometry import FrameSpec, MeshSpec
 from reachtest.levels.meshes.defects import THINNEST_M, defects, degenerate
 from reachtest.levels.meshes.formats import FORMAT_UNITS, FORMAT_UP_AXIS, MeshReader

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.meshes.scene import NavFile, Piece, Unreadable
 from reachtest.levels.navmeshes.aas_lumps import LUMPS_AT, MAGIC, Lumps, refuse
 from reachtest.levels.navmeshes.sections import Array

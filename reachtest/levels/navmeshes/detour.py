@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.meshes.scene import NavFile, Piece, Unreadable
 from reachtest.levels.navmeshes.detour_layout import TILE_MAGIC, Layout, field_offset
 from reachtest.levels.navmeshes.detour_surface import OffMesh, Surface, tile_surface

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.navmeshes.detour_tiles import DAMAGED, Tile
 from reachtest.levels.navmeshes.sections import Array
 from reachtest.records import Bools, Floats, Ints

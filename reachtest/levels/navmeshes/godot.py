@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.meshes.scene import NavFile, Piece, Unreadable
 from reachtest.levels.navmeshes.godot_text import (
-    Section,
+    TextSection,
     decode,
     masked_text,
     parse_numbers,
@@ -76,7 +76,7 @@ def read_godot(data: bytes, path: Path) -> NavFile:
     return NavFile(pieces, f"Godot {4 if packed else 3}", polygons, agent)
 
 
-def _agent(text: str, section: Section, defaults: bool) -> NavAgent:
+def _agent(text: str, section: TextSection, defaults: bool) -> NavAgent:
     """The agent that one resource was baked for."""
     numbers: dict[str, float | None] = dict(_AGENT) if defaults else dict.fromkeys(_AGENT)
     for key in numbers:
@@ -92,7 +92,7 @@ def _agent(text: str, section: Section, defaults: bool) -> NavAgent:
     return NavAgent(*numbers.values())
 
 
-def _resources(sections: list[Section]) -> Iterator[tuple[str, Section]]:
+def _resources(sections: list[TextSection]) -> Iterator[tuple[str, TextSection]]:
     """The NavigationMesh resources by their id; the main resource of a file has none."""
     main = next((each.attributes.get("type") for each in sections if each.kind == "gd_resource"), None)
     for section in sections:
@@ -102,7 +102,7 @@ def _resources(sections: list[Section]) -> Iterator[tuple[str, Section]]:
             yield section.attributes.get("id", ""), section
 
 
-def _mesh(text: str, section: Section) -> tuple[Floats, Ints, int] | None:
+def _mesh(text: str, section: TextSection) -> tuple[Floats, Ints, int] | None:
     """Vertices [V, 3], triangles [F, 3] and the number of polygons; None for a mesh that is not baked."""
     points = _VERTICES.search(text, section.start, section.end)
     if points is None:
@@ -146,7 +146,7 @@ def _polygons(text: str, at: int, vertices: int) -> Iterator[list[int]]:
             refuse_at(text, at, "has polygons without an end")
 
 
-def _placements(text: str, masked: str, sections: list[Section]) -> dict[str, list[tuple[str, Floats]]]:
+def _placements(text: str, masked: str, sections: list[TextSection]) -> dict[str, list[tuple[str, Floats]]]:
     """Names and matrices [4, 4] of the regions, by the id of their mesh; parents stand before children."""
     matrices: dict[str, Floats] = {}
     found: dict[str, list[tuple[str, Floats]]] = {}
@@ -161,7 +161,7 @@ def _placements(text: str, masked: str, sections: list[Section]) -> dict[str, li
     return found
 
 
-def _transform(text: str, node: Section) -> Floats:
+def _transform(text: str, node: TextSection) -> Floats:
     """The matrix [4, 4] of a node: Godot writes the rows of its basis, then its origin."""
     matrix = np.eye(4)
     if start := _TRANSFORM.search(text, node.start, node.end):

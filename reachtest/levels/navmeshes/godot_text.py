@@ -12,7 +12,7 @@ from typing import NoReturn, TypeVar
 
 import numpy as np
 
-from reachtest.levels.keys.fields import FARTHEST
+from reachtest.levels.fields import FARTHEST
 from reachtest.levels.meshes.scene import Unreadable
 from reachtest.records import Floats
 
@@ -29,7 +29,7 @@ Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True)
-class Section:
+class TextSection:
     """One `[...]` header and the properties below it."""
 
     kind: str
@@ -64,13 +64,15 @@ def masked_text(text: str) -> str:
     return _QUOTED.sub(blank, text)
 
 
-def sections_of(text: str, masked: str) -> Iterator[Section]:
+def sections_of(text: str, masked: str) -> Iterator[TextSection]:
     """The sections of a text that is also given without its strings and comments."""
     headers = list(_HEADER.finditer(masked))
     ends = [*(header.start() for header in headers[1:]), len(text)]
     for header, end in zip(headers, ends, strict=False):  # a file without headers has one end too many
         found = _ATTRIBUTE.findall(text, *header.span())
-        yield Section(header[1], {key: quoted or number for key, quoted, number in found}, header.end(), end)
+        yield TextSection(
+            header[1], {key: quoted or number for key, quoted, number in found}, header.end(), end
+        )
 
 
 def read_numbers(text: str, at: int, pattern: re.Pattern[str], what: str) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from reachtest.errors import BadInput, Problem
-from reachtest.levels.keys.fields import Spec
+from reachtest.levels.fields import Spec
 from reachtest.levels.meshes.paths import file_problem
 from reachtest.levels.meshes.scene import Unreadable
 from reachtest.levels.shapes.grids import MOST_SAMPLES

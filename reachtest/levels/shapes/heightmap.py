@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import Field, model_validator
 
-from reachtest.levels.keys.fields import FARTHEST, Length, Name, Point, Spec
+from reachtest.levels.fields import FARTHEST, Length, Name, Point, Spec
 from reachtest.levels.meshes.scene import Unreadable
 from reachtest.levels.shapes.grids import too_large
 from reachtest.records import Floats, Frame, HeightField

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field
 
-from reachtest.levels.keys.fields import Length, Point, Size, Spec
+from reachtest.levels.fields import Length, Point, Size, Spec
 from reachtest.levels.shapes.heightmap import Heightmap, build_heightmap
 from reachtest.records import Floats, Frame, HeightField
 

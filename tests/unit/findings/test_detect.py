@@ -142,8 +142,7 @@ def test_inside_a_solid_and_not_merely_beside_it() -> None:
 def test_unreached_goals_are_areas_and_required_points_are_named() -> None:
     goals = [[0, 0, 0], [30, 0, 0], [34, 0, 0], [0, 40, 0]]
     where = replace(LEVEL, required=(Required("flag", np.array([1.0, 1, 0]), 1.0),))
-    tried = {"goal_attempts": np.full(4, 256), "goal_border_m": np.zeros(4)}
-    found = find(where, exploration(goals=goals, reached=[5, -1, -1, -1], required=[-1], **tried), Paths())
+    found = find(where, exploration(goals=goals, reached=[5, -1, -1, -1], required=[-1]), Paths())
     assert [(f.kind, f.points) for f in found] == [
         ("required_unreached", 1),
         ("unreached_area", 2),
@@ -157,8 +156,7 @@ def test_ids_survive_a_small_shift_and_are_distinct() -> None:
     two = find(LEVEL, exploration([([20.4, 20.3, 0], [9.3, 9.2, 0], True)]), Paths())
     assert one[0].id == two[0].id
     goals = [[0, 0, 0], [1.0, 0, 0], [0, 40, 0]]
-    tried = {"goal_attempts": np.full(3, 256), "goal_border_m": np.zeros(3)}
-    many = find(LEVEL, exploration(goals=goals, reached=[-1, -1, -1], **tried), Paths())
+    many = find(LEVEL, exploration(goals=goals, reached=[-1, -1, -1]), Paths())
     assert len({f.id for f in many}) == len(many) == 2
 
 

@@ -141,32 +141,6 @@ def test_the_estimate_is_right_where_every_goal_is_as_likely_at_every_step() -> 
     assert 0.8 < np.median(ratios) < 1.25
 
 
-@pytest.mark.parametrize("areas", [1, 2, 6, 40])
-def test_the_areas_that_were_hardly_tried_are_one_finding_that_does_not_gate(areas: int) -> None:
-    goals = [[100.0 * i, 0, 0] for i in range(areas + 2)] + [[203, 0, 0], [206, 0, 0]]
-    attempts = np.where(np.arange(len(goals)) == 1, 64, 1)  # the second was tried: a finding of its own
-    result = exploration(
-        goals=goals,
-        reached=[5] + [-1] * (len(goals) - 1),
-        required=[5],
-        goal_attempts=attempts,
-        goal_border_m=np.ones(len(goals)),
-        required_attempts=np.array([99]),
-        settings=ExploreSettings(effort=64),
-    )
-    verdict, found = outcome(result)
-    tried, early = found
-    assert verdict.name == "fail"
-    assert (tried.gating, early.gating) == (True, False)
-    assert tried.position.tolist() == [100, 0, 0]
-    assert early.points == areas + 2
-    if areas > 1:
-        assert early.title == f"{areas} parts of the nav-mesh with {areas + 2} goals were not reached yet"
-        assert early.details[0].startswith("3 goals at (200, 0, 0): 3 directed attempts")
-        assert len(early.details) == min(areas, 6)
-        assert early.details[5:] in {(), ("and 1 smaller one",), ("and 35 smaller ones",)}
-
-
 def test_an_area_that_nobody_tried_to_get_to_says_so() -> None:
     _, (area,) = outcome(after([0, 0, 0, 0]))
     assert area.details == (

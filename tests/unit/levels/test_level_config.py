@@ -42,9 +42,9 @@ def test_it_wins_over_the_level_and_the_command_line_over_both(
 
 @pytest.mark.parametrize("file", CONFIGS, ids=lambda file: str(file.stem))
 def test_the_ones_that_come_with_the_program_fit(write_level: WriteLevel, file: Path) -> None:
-    level = load_level(write_level(), config=file)
-    assert level.explore.steps >= 200_000
-    assert "fell_out_of_world" in level.gate.fail_on or "error" in level.gate.fail_on
+    level = load_level(write_level(explore={"steps": 5}, gate={"fail_on": ["stuck"]}), config=file)
+    assert level.explore.steps == {"merge-gate": 200_000, "nightly": 3_000_000}[file.stem]
+    assert set(level.gate.fail_on) & {"fell_out_of_world", "error"}
 
 
 def test_there_are_some() -> None:
@@ -79,6 +79,39 @@ def test_a_section_without_keys_is_not_hidden_by_what_comes_over_it(
     file = config(tmp_path, {"explore": 5})
     assert mistakes(write_level(), file, overrides)[0][:2] == ("nightly.yaml: explore", "found 5")
     assert problems_of(write_level(explore=5), overrides)[0][:2] == ("level.yaml: explore", "found 5")
+
+
+def test_a_value_of_another_type_than_the_levels_is_judged(write_level: WriteLevel, tmp_path: Path) -> None:
+    path = write_level(explore={"steps": 5}, gate={"fail_on": ["stuck"]})
+    file = config(tmp_path, {"gate": {"fail_on": {"error": None}}, "explore": {"steps": {"a": 1}}})
+    assert {where for where, _, _ in mistakes(path, file)} == {
+        "nightly.yaml: explore.steps",
+        "nightly.yaml: gate.fail_on",
+    }
+
+
+def test_who_says_what_goes_by_whole_keys(write_level: WriteLevel, tmp_path: Path) -> None:
+    file = config(tmp_path, {"explore": {"steps": 7, "heuristics": {"visits": -1}, "effort": 3}})
+    where = [each for each, _, _ in mistakes(write_level(explore={"steps_max": 5, "effort_x": 1}), file)]
+    assert where == ["nightly.yaml: explore.heuristics", "level.yaml: explore", "level.yaml: explore"]
+    both = config(tmp_path, {"explore": {"time_budget": 7, "time_budget_s": 7}})
+    ((where_both, _, _),) = mistakes(write_level(), both)
+    assert where_both == "level.yaml and nightly.yaml: explore"
+
+
+def test_one_reset_heuristic_or_another_and_not_both(write_level: WriteLevel, tmp_path: Path) -> None:
+    file = config(tmp_path, {"explore": {"heuristics": {"goals": 1.0}}})
+    for explore in ({}, {"heuristics": {"visits": 1.0}}):
+        assert load_level(write_level(explore=explore), config=file).explore.heuristics == {"goals": 1.0}
+
+
+def test_what_belongs_to_one_level_is_refused(write_level: WriteLevel, tmp_path: Path) -> None:
+    """A replay reads no configuration, and known bugs are one level's."""
+    file = config(tmp_path, {"explore": {"expected_within_m": 1}, "gate": {"baseline": "known.yaml"}})
+    assert [each[:2] for each in mistakes(write_level(), file)] == [
+        ("nightly.yaml: explore.expected_within_m", "found 1"),
+        ("nightly.yaml: gate.baseline", "found 'known.yaml'"),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import (
     BaseModel,
@@ -27,6 +27,8 @@ class Spec(BaseModel):
     """Base of everything in `level.yaml`: unknown keys are refused, and so are NaN and infinity."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    short: ClassVar[str] = ""  # what may be written in place of its keys
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
