@@ -11,7 +11,8 @@ import numpy as np
 
 from reachtest.explore.actions import action_stream
 from reachtest.explore.rollout import Trajectories, roll_out
-from reachtest.explore.transitions import Stays, Transitions, stays_of
+from reachtest.explore.stays import Stays, stays_of
+from reachtest.explore.transitions import Transitions
 from reachtest.geometry import pack_cells
 from reachtest.interfaces import Simulator
 from reachtest.records import EndReason, ExploreSettings, Floats, Ints

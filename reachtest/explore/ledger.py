@@ -16,8 +16,9 @@ from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.retrace import Retrace
 from reachtest.explore.risk import RiskCurve
 from reachtest.explore.rollout import Trajectories
+from reachtest.explore.stays import Stays
 from reachtest.explore.trails import Trails, of_parents
-from reachtest.explore.transitions import Stays, Transitions
+from reachtest.explore.transitions import Transitions
 from reachtest.explore.trespass import Trespasses
 from reachtest.explore.visits import VisitCounts
 from reachtest.interfaces import Surface

@@ -12,9 +12,11 @@ import numpy as np
 
 from reachtest.explore.actions import JUMP_SHARE, heading_of, start_generator
 from reachtest.explore.attempts import Attempt, Attempts, Front
+from reachtest.explore.graph import UNKNOWN, lies
 from reachtest.explore.regions import Region, TrapFinder, Trapped
 from reachtest.explore.replay import Replayer
-from reachtest.explore.transitions import UNKNOWN, Stays, Transitions, lies
+from reachtest.explore.stays import Stays
+from reachtest.explore.transitions import Transitions
 from reachtest.interfaces import Simulator, Teller
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Fall, Ints, Level, Origin, Pocket, Points

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from reachtest.columns import ColumnIndex
 from reachtest.explore.connected import STRONGLY, WAYS, Connection, inner_pairs, part_labels
-from reachtest.explore.transitions import Graph
+from reachtest.explore.graph import Graph
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
 

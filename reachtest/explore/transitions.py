@@ -10,62 +10,23 @@ Shape legend: B lanes, T agent steps of a round, N places, E transitions, S stat
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import breadth_first_order
 
+from reachtest.explore.graph import LYING, OUT, UNKNOWN, Graph
 from reachtest.explore.retrace import AFTER, BEFORE, TIMES, WITHIN, Retrace
 from reachtest.explore.rollout import Trajectories
-from reachtest.geometry import at_rest, pack_cells, unpack_heights
+from reachtest.explore.stays import Stays, stays_of
+from reachtest.geometry import pack_cells
 from reachtest.records import Bools, EndReason, Floats, Ints
 
-UNKNOWN = np.iinfo(np.int32).min
-OUT = 0  # the key of the place outside of the world: no cell has it
 FLATTER = (
     2  # cells are half as high as wide: a ledge just too high to jump onto is another cell than its foot
 )
 _SHIFT = 0.2  # of a cell's height: floors at round heights are not at the border of two cells
-_LYING = 1 << 19  # cells higher than any level is: the keys of places to lie in
 _GROWTH = 4  # new rows are merged when there are a quarter as many: few merges, little waste
-
-
-@dataclass(frozen=True)
-class Stays:
-    """Where characters stood, or lay still without standing."""
-
-    places: Floats  # [..., 3] NaN where they did neither
-    lying: Bools  # [...]
-
-
-@dataclass(frozen=True)
-class Graph:
-    """The transitions as they stand: places by ascending key; the first is OUT."""
-
-    keys: Ints  # [N]
-    places: Floats  # [N, 3] where the character first stood in each
-    origins: NDArray[
-        np.int32
-    ]  # [N, 5] how it got there, as in `Origin`; parent `UNKNOWN` where probes found it
-    states: Floats  # [N, S] of the character at the end of that; NaN where nothing was done yet
-    ends: Ints  # [E, 2] rows of `keys`: from, to
-
-    def leads_to(self, goals: Bools) -> Bools:
-        """Which places [N] some transitions lead from to one of `goals` [N]."""
-        return _spread(self.ends[:, ::-1], goals)
-
-    def led_to_from(self, starts: Bools) -> Bools:
-        """Which places [N] some transitions lead to from one of `starts` [N]."""
-        return _spread(self.ends, starts)
-
-    @cached_property
-    def is_out(self) -> Bools:
-        """[N]"""
-        return np.asarray(self.keys == OUT, dtype=np.bool_)
 
 
 class Transitions:
@@ -98,7 +59,7 @@ class Transitions:
         """
         kept = np.asarray(positions, dtype=np.float32).astype(np.float64)
         cells = np.floor(kept / self._cell + np.array([0.0, 0.0, _SHIFT])).astype(np.int64)
-        cells[:, 2] += np.multiply(lying, _LYING)
+        cells[:, 2] += np.multiply(lying, LYING)
         return pack_cells(cells)
 
     def add(
@@ -149,30 +110,6 @@ class Transitions:
         self._fresh, self._waiting = [], 0
 
 
-def _spread(ends: Ints, sources: Bools) -> Bools:
-    """What [N] is found from `sources` [N] along `ends` [E, 2], those included."""
-    count, first = len(sources), np.flatnonzero(sources)
-    start = np.concatenate([ends[:, 0], np.full(len(first), count)])  # from one more place to all sources
-    end = np.concatenate([ends[:, 1], first])
-    shape = (count + 1, count + 1)
-    graph = csr_matrix((np.ones(len(start), dtype=np.int8), (start, end)), shape=shape)
-    found = np.zeros(count + 1, dtype=np.bool_)
-    found[breadth_first_order(graph, count, return_predecessors=False)] = True
-    return found[:count]
-
-
-def lies(keys: Ints) -> Bools:
-    """Whether `keys` [n] are of places where somebody lay."""
-    return np.asarray(unpack_heights(keys) >= _LYING // 2, dtype=np.bool_)
-
-
-def stays_of(rolled: Trajectories) -> Stays:
-    """Where the characters stood or lay still [T, B]."""
-    stood = np.isfinite(rolled.stood)
-    places = np.where(stood, rolled.stood, _resting(rolled))
-    return Stays(places, ~stood[:, :, 0])
-
-
 def _origins(
     rolled: Trajectories, lane: Ints, time: Ints, parents: Ints | None, round_: int
 ) -> NDArray[np.int32]:
@@ -213,14 +150,6 @@ def _visits(rolled: Trajectories, starts: Stays) -> tuple[Ints, Ints, Ints, Stay
     lying = np.concatenate([starts.lying[first], stays.lying[then], np.zeros(len(fell), dtype=np.bool_)])
     out = np.arange(len(where)) >= len(began) + len(seen)
     return where[:, 1], time, episode, Stays(places, lying), out
-
-
-def _resting(rolled: Trajectories) -> Floats:
-    """Positions [T, B, 3] of characters that do not move although they may not stand; else NaN."""
-    moved = np.full(rolled.ended.shape, np.inf)
-    moved[1:] = np.linalg.norm(rolled.positions[1:] - rolled.positions[:-1], axis=2)
-    moved[rolled.start == np.arange(len(moved))[:, None]] = np.inf
-    return np.where(at_rest(moved)[:, :, None], rolled.positions, np.nan)
 
 
 def _distinct(ends: Ints) -> Ints:

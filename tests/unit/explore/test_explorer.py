@@ -10,8 +10,8 @@ import pytest
 from reachtest.explore import Explorer, Replayer
 from reachtest.explore.actions import action_stream
 from reachtest.explore.goals import sample_goals
+from reachtest.explore.graph import UNKNOWN
 from reachtest.explore.rollout import roll_out
-from reachtest.explore.transitions import UNKNOWN
 from reachtest.records import (
     EndReason,
     Exploration,

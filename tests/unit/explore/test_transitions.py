@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from reachtest.explore.graph import OUT, Graph, lies
 from reachtest.explore.retrace import Retrace
 from reachtest.explore.rollout import Trajectories
-from reachtest.explore.transitions import OUT, Graph, Stays, Transitions, lies
+from reachtest.explore.stays import Stays
+from reachtest.explore.transitions import Transitions
 from reachtest.records import EndReason
 
 
