@@ -44,11 +44,11 @@ class Walker:
     """Meets `interfaces.Simulator`: a state is position [3], no velocity [3], steps taken [1]."""
 
     def __init__(self, agents: int) -> None:
-        self._states = np.zeros((agents, 7))
+        self.agents, self._states = agents, np.zeros((agents, 7))
 
-    @property
-    def agents(self) -> int:
-        return len(self._states)
+    def use(self, agents: int) -> None:
+        """Who was not in use before has to be restored."""
+        self._states = np.resize(self._states, (agents, 7))
 
     @property
     def step_s(self) -> float:
