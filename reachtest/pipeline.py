@@ -49,7 +49,7 @@ class RunOptions:
 def load(options: RunOptions) -> Level:
     """The level under the configuration and the command line's overrides. Raises BadInput."""
     level = load_level(options.level, options.overrides, options.config)
-    check_heuristics(level, " under ".join(file.name for file in (options.level, options.config) if file))
+    check_heuristics(level, options.config)
     return level
 
 

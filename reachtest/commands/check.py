@@ -15,7 +15,7 @@ def validate(level: LevelFile, config: ConfigFile = None) -> None:
     from reachtest.levels import check_level, load_level
 
     loaded = load_level(level, config=config)
-    check_heuristics(loaded, " under ".join(file.name for file in (level, config) if file))
+    check_heuristics(loaded, config)
     baseline_of(loaded)
     check = check_level(loaded)
     width = max(len(name) for name, _ in check.facts)

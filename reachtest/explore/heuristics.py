@@ -6,6 +6,7 @@ To add one: write the function and name it in HEURISTICS. Level files name them 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -57,9 +58,10 @@ HEURISTICS: dict[str, ResetHeuristic] = {
 }
 
 
-def check_heuristics(level: Level, file: str) -> None:
-    """That every heuristic which the level of `file` names is one. Raises BadInput."""
-    where, remedy = f"{file}: explore.heuristics", f"known heuristics are {', '.join(HEURISTICS)}"
+def check_heuristics(level: Level, config: Path | None = None) -> None:
+    """That every heuristic which the level, under a configuration, names is one. Raises BadInput."""
+    files = " under ".join(file.name for file in (level.file, config) if file)
+    where, remedy = f"{files}: explore.heuristics", f"known heuristics are {', '.join(HEURISTICS)}"
     unknown = sorted(set(level.explore.heuristics) - set(HEURISTICS))
     if unknown:
         raise BadInput([Problem(where, f"'{name}' is no reset heuristic", remedy) for name in unknown])
