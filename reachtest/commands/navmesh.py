@@ -62,8 +62,7 @@ def _section(level: Path, given: dict[str, Any]) -> Any:
 
     section = read_yaml(level).get("navmesh")
     if isinstance(section, dict) and "build" in section:
-        own = section["build"]
-        return {"build": {**(own or {}), **given}} if isinstance(own or {}, dict) else {}
+        return {"build": given}
     spec = BuildSpec.model_validate(given)
     return NavMeshSpec.model_validate({"build": spec})  # no mapping: takes the place of the whole section
 

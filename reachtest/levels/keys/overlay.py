@@ -32,20 +32,22 @@ KeyPath = tuple[str, ...]  # section, key, ...
 class Overlay:
     """Layers of values, section by section as in a level file; the later ones win."""
 
-    layers: list[Mapping[str, Any]] = field(default_factory=list)
+    layers: list[tuple[Mapping[str, Any], int]] = field(default_factory=list)  # with their depth
     sources: dict[KeyPath, str] = field(default_factory=dict)  # who says so, for every key of a layer
     problems: list[Problem] = field(default_factory=list)
 
-    def add(self, values: Mapping[str, Any], source: str) -> None:
-        """Put `values` on top."""
-        self.layers.append(values)
-        self.sources.update(dict.fromkeys(_keys(values), source))
+    def add(self, values: Mapping[str, Any], source: str, depth: int) -> None:
+        """Put `values` on top, key by key down to `depth` (1: in sections); what is deeper is replaced."""
+        self.layers.append((values, depth))
+        self.sources.update(dict.fromkeys(_keys(values, depth), source))
 
     def over(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """`document` under all the layers."""
         merged = dict(document)
-        for layer in self.layers:
-            merged |= {section: _over(merged.get(section), values) for section, values in layer.items()}
+        for layer, depth in self.layers:
+            merged |= {
+                section: _over(merged.get(section), values, depth) for section, values in layer.items()
+            }
         return merged
 
 
@@ -56,8 +58,9 @@ def overlay(config: Path | None, command_line: Mapping[str, Any] | None) -> Over
         remedy = "give it the sections explore and gate, as a level file has them"
         said = read_yaml(config, "a configuration", remedy)
         result.problems = list(_out_of_place(said, config.name))
-        result.add({key: _allowed(key, said[key]) for key in CONFIG_SECTIONS if key in said}, config.name)
-    result.add(command_line or {}, COMMAND_LINE)
+        given = {key: _allowed(key, said[key]) for key in CONFIG_SECTIONS if said.get(key) is not None}
+        result.add(given, config.name, depth=1)
+    result.add(command_line or {}, COMMAND_LINE, depth=2)
     return result
 
 
@@ -78,21 +81,21 @@ def _allowed(section: str, values: Any) -> Any:
     return {key: value for key, value in values.items() if (section, key) not in LEVELS_OWN}
 
 
-def _over(below: Any, values: Any) -> Any:
-    """A section with `values` over it; a mistake below stays, to be told."""
-    if values is None or not isinstance(below or {}, Mapping):
-        return below
-    if not isinstance(values, Mapping):
+def _over(below: Any, values: Any, depth: int) -> Any:
+    """What is `below` with `values` over it; a mistake below stays, to be told."""
+    if not depth or not isinstance(values, Mapping):
         return values
+    if below is not None and not isinstance(below, Mapping):
+        return below
     merged = dict(below or {})
     if given := _BUDGETS & values.keys():  # one budget under two names: the one on top wins
         merged = {key: value for key, value in merged.items() if key not in _BUDGETS - given}
-    return merged | dict(values)
+    return merged | {key: _over(merged.get(key), value, depth - 1) for key, value in values.items()}
 
 
-def _keys(values: Mapping[str, Any]) -> Iterator[KeyPath]:
-    for section, below in values.items():
-        if isinstance(below, Mapping) and below:
-            yield from ((section, key) for key in below)
-        elif below is not None:
-            yield (section,)
+def _keys(values: Mapping[str, Any], depth: int, above: KeyPath = ()) -> Iterator[KeyPath]:
+    for key, value in values.items():
+        if depth and isinstance(value, Mapping):
+            yield from _keys(value, depth - 1, (*above, key))
+        else:
+            yield (*above, key)

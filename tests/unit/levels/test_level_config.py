@@ -105,6 +105,17 @@ def test_one_reset_heuristic_or_another_and_not_both(write_level: WriteLevel, tm
         assert load_level(write_level(explore=explore), config=file).explore.heuristics == {"goals": 1.0}
 
 
+def test_the_command_line_goes_over_single_numbers_of_a_build(write_level: WriteLevel) -> None:
+    path = write_level(navmesh={"build": {"cell_m": "wide", "climb_m": -1}})
+    found = problems_of(path, {"navmesh": {"build": {"climb_m": -2}}})
+    assert [each[:2] for each in found] == [
+        ("level.yaml: navmesh.build.cell_m", "found 'wide'"),
+        ("command line: navmesh.build.climb_m", "found -2"),
+    ]
+    ((where, what, _),) = problems_of(write_level(navmesh={"build": 5}), {"navmesh": {"build": {}}})
+    assert (where, what) == ("level.yaml: navmesh.build", "found 5")
+
+
 def test_what_belongs_to_one_level_is_refused(write_level: WriteLevel, tmp_path: Path) -> None:
     """A replay reads no configuration, and known bugs are one level's."""
     file = config(tmp_path, {"explore": {"expected_within_m": 1}, "gate": {"baseline": "known.yaml"}})
