@@ -60,11 +60,12 @@ class Attempts:
     def run(self, front: Front, headings: Ints, jumps: Floats) -> Front:
         """One episode of each lane; where they are then."""
         count, steps = len(front.states), self._settings.reset_interval
-        streams = np.zeros((steps, self._simulator.agents, 2), dtype=np.int8)
+        streams = np.zeros((steps, count, 2), dtype=np.int8)
         for lane, way in enumerate(zip(headings.tolist(), jumps.tolist(), strict=True)):
             streams[:, lane] = action_stream(self._seed, self.round, lane, steps, *way)
-        every = np.resize(np.arange(count), self._simulator.agents)  # who has no lane stands still in a copy
-        rolled = _first(roll_out(self._simulator, front.states[every][None], streams), count)
+        self._simulator.use(count)
+        rolled = roll_out(self._simulator, front.states[None], streams)
+        self._simulator.use(self._simulator.agents)
         self._transitions.add(rolled, Stays(front.stays.places[None], front.stays.lying[None]))
         self.round += 1
         self.episodes += count
@@ -95,11 +96,6 @@ class Attempts:
         away = np.linalg.norm(passed - start, axis=1)
         cells = np.unique(pack_cells(np.floor(passed / self._settings.threshold_m).astype(np.int64)))
         return Attempt(cells, float(away.max(initial=0.0)))
-
-
-def _first(rolled: Trajectories, lanes: int) -> Trajectories:
-    """The first lanes only."""
-    return Trajectories(**{name: array[:, :lanes] for name, array in vars(rolled).items()})
 
 
 def _last_stays(rolled: Trajectories, before: Stays) -> Stays:
