@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.columns import ColumnIndex
-from reachtest.explore.connected import STRONGLY, WAYS, Connection, inner_pairs, part_labels
+from reachtest.connected import STRONGLY, WAYS, Connection, grouped, inner_pairs, part_labels
 from reachtest.explore.graph import Graph
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Floats, Ints, Level
@@ -141,8 +141,7 @@ def _near_each_other(graph: Graph, rows: Ints) -> list[Ints]:
 
 
 def _groups(rows: Ints, label: Ints) -> list[Ints]:
-    order = np.argsort(label, kind="stable")
-    return np.split(rows[order], np.flatnonzero(np.diff(label[order])) + 1)
+    return [rows[group] for group in grouped(label)]
 
 
 def _components(graph: Graph, rows: Ints, connection: Connection) -> Ints:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reachtest.connected import grouped
 from reachtest.records import Bools, Character, Floats
 
 _PAIRS_AT_ONCE = 1 << 18
@@ -42,8 +43,8 @@ class Walls:
         result = np.zeros(len(footings), dtype=np.bool_)
         known = np.flatnonzero(np.isfinite(places[:, 0]))
         _, cell = np.unique(np.floor(footings[known] / _CELL_M), axis=0, return_inverse=True)
-        order = np.argsort(cell.ravel(), kind="stable")
-        for rows in np.split(known[order], np.flatnonzero(np.diff(cell.ravel()[order])) + 1):
+        for group in grouped(cell.ravel()):
+            rows = known[group]
             level = places[rows] * [1.0, 1.0, 0.0] + footings[rows] * [0.0, 0.0, 1.0]
             both = [[0.0, 0.0, up] for up in (who.step_height_m + 0.1, min(apex + _OVER_M, who.height_m))]
             result[rows] = np.logical_and.reduce(

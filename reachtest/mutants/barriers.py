@@ -6,10 +6,9 @@ import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from reachtest.connected import STRONGLY, part_labels
 from reachtest.geometry import expand
 from reachtest.mutants.boxes import Box
 from reachtest.mutants.field import Field
@@ -130,7 +129,6 @@ def _way_round(ground: Ground, box: Box) -> bool:
     row, place = expand(np.diff(moves.start)[near])
     there = number[moves.target[moves.start[near][row] + place]]
     row, there = row[there >= 0], there[there >= 0]
-    graph = coo_matrix((np.ones(len(row), dtype=np.int8), (row, there)), shape=(len(near), len(near)))
-    _, label = connected_components(graph, directed=True, connection="strong")
+    label = part_labels(len(near), np.stack([row, there], axis=1), STRONGLY)
     beside = box.contains(at[near], ground.level.character.radius_m + _BESIDE_M)
     return bool(beside.any() and np.ptp(label[beside]) == 0)

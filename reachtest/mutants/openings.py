@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from reachtest.connected import grouped, part_labels
 from reachtest.mutants.boxes import Box, cut_out, thickness
 from reachtest.mutants.ground import Ground
 from reachtest.mutants.records import Mutant, Planted, Planter
@@ -89,19 +90,12 @@ def bare_solids(ground: Ground, rng: np.random.Generator) -> Iterator[Planted]:
 
 def closed_bodies(triangles: Floats) -> list[Ints]:
     """Indices of the triangles [F, 3, 3] of every closed body of a character's size, by connected corners."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     _, vertex = np.unique(np.rint(triangles.reshape(-1, 3) * 1e3), axis=0, return_inverse=True)
     faces = vertex.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    size = int(faces.max()) + 1
-    graph = coo_matrix((np.ones(len(edges), dtype=np.int8), (edges[:, 0], edges[:, 1])), shape=(size, size))
-    _, label = connected_components(graph, directed=False)
-    owner = label[faces[:, 0]]
-    order = np.argsort(owner, kind="stable")
+    label = part_labels(int(faces.max()) + 1, edges)
     result = []
-    for members in np.split(order, np.flatnonzero(np.diff(owner[order])) + 1):
+    for members in grouped(label[faces[:, 0]]):
         sides = np.ptp(triangles[members].reshape(-1, 3), axis=0)
         if sides.min() < _SMALLEST_M or sides.max() > _LARGEST_M or sides[2] < 2 * _SMALLEST_M:
             continue

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reachtest.connected import part_labels
 from reachtest.navmesh.contour import Patches, patches, some
 from reachtest.navmesh.settings import BuildSettings
 from reachtest.navmesh.voxels import Grid, rasterise
@@ -41,8 +42,8 @@ def build_block(
         return None
     next_to = places.neighbour[1:3]
     here = np.broadcast_to(np.arange(len(place)), next_to.shape)[next_to >= 0]
-    count, label = _components(len(place), here, next_to[next_to >= 0])
-    area = np.bincount(label[inner], minlength=count).astype(np.float64) * settings.cell_m**2
+    label = part_labels(len(place), np.stack([here, next_to[next_to >= 0]], axis=1))
+    area = np.bincount(label[inner], minlength=label.max() + 1).astype(np.float64) * settings.cell_m**2
     border = inner & (place == begin).any(axis=1)
     keys = _keys(place, places)
     core = chosen(places, inner)
@@ -66,9 +67,8 @@ def large_islands(blocks: list[Block], settings: BuildSettings) -> Floats:
     order = np.argsort(own)
     place = np.minimum(np.searchsorted(own[order], beyond), max(len(own) - 1, 0))
     same = own[order][place] == beyond if len(own) else np.zeros(len(beyond), dtype=np.bool_)
-    pairs = (label[same], own_label[order][place[same]])
-    total = int(starts[-1])
-    _, island = _components(total, *pairs)
+    pairs = np.stack([label[same], own_label[order][place[same]]], axis=1)
+    island = part_labels(int(starts[-1]), pairs)
     area = np.bincount(island, weights=np.concatenate([block.area_m2 for block in blocks]))
     large = (area >= settings.min_island_m2)[island]
     kept = [
@@ -82,13 +82,3 @@ def _joined(parts: list[tuple[Ints, Ints]], starts: Ints) -> tuple[Ints, Ints]:
     """Keys, and labels that count over all blocks."""
     keys = np.concatenate([key for key, _ in parts])
     return keys, np.concatenate([label + start for (_, label), start in zip(parts, starts, strict=False)])
-
-
-def _components(count: int, first: Ints, second: Ints) -> tuple[int, Ints]:
-    """How many groups of `count` items the pairs join, and the group of each item."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
-    groups, label = connected_components(graph, directed=False)
-    return int(groups), label.astype(np.int64)

@@ -6,9 +6,8 @@ Shape legend: F faces, I islands, n points.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from reachtest.connected import part_labels
 from reachtest.navmesh.edges import neighbours
 from reachtest.navmesh.faces import FaceIndex
 from reachtest.records import Bools, Floats, Ints, NavMesh
@@ -30,10 +29,7 @@ def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:
     if not faces:
         return np.empty(0, dtype=np.int64)
     climb = next((c for c in (climb_m, navmesh.agent.climb_m) if c is not None), CLIMB_M)
-    pairs = neighbours(navmesh, climb)
-    ones = np.ones(len(pairs), dtype=np.int8)
-    graph = coo_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(faces, faces))
-    _, label = connected_components(graph, directed=False)
+    label = part_labels(faces, neighbours(navmesh, climb))
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)
     rank[np.argsort(first)] = np.arange(len(first))

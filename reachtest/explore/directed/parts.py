@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.connected import inner_pairs, part_labels
+from reachtest.connected import inner_pairs, part_labels
 from reachtest.records import Bools, Floats, Ints
 
 

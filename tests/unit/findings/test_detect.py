@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from reachtest.findings import DETECTORS, find, judge
-from reachtest.findings.cluster import single_linkage
 from reachtest.records import (
     Exploration,
     ExploreSettings,
@@ -158,12 +157,6 @@ def test_ids_survive_a_small_shift_and_are_distinct() -> None:
     goals = [[0, 0, 0], [1.0, 0, 0], [0, 40, 0]]
     many = find(LEVEL, exploration(goals=goals, reached=[-1, -1, -1]), Paths())
     assert len({f.id for f in many}) == len(many) == 2
-
-
-def test_single_linkage_keeps_groups_apart() -> None:
-    points = np.array([[0, 0, 0], [10, 0, 0], [3, 0, 0], [6, 0, 0], [13.5, 0, 0]], float)
-    assert [g.tolist() for g in single_linkage(points, 3.0)] == [[0, 2, 3], [1], [4]]
-    assert single_linkage(np.empty((0, 3)), 1.0) == []
 
 
 # 5 % by the bound, but 12 of the latest 100 episodes found something new

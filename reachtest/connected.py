@@ -32,3 +32,11 @@ def part_labels(count: int, pairs: Ints, connection: Connection = WAYS) -> Ints:
     graph = csr_matrix((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     label = connected_components(graph, directed=connection == STRONGLY, connection=connection)[1]
     return np.asarray(label, dtype=np.int64)
+
+
+def grouped(label: Ints) -> list[Ints]:
+    """The rows of each label [N], ascending, by label."""
+    if not len(label):
+        return []
+    order = np.argsort(label, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
