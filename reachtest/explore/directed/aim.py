@@ -19,6 +19,9 @@ from reachtest.explore.heuristics import NEAREST_M
 from reachtest.records import Bools, Candidates, Floats, Ints
 
 BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
+SPARE_M = (
+    4.0  # so much farther than the nearest start lie some others to draw: from that one all may go wrong
+)
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
 STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
@@ -118,7 +121,7 @@ class Aims:
 
 def _one_each(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:
     """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited [P], as the frontier is."""
-    near = away <= np.maximum(away[:, :1], BORDER_M)
+    near = away <= np.maximum(away[:, :1] + SPARE_M, BORDER_M)
     visits = np.maximum(visits[who], 1)
     weight = np.where(near, 1.0 / (visits * np.maximum(away, NEAREST_M) ** 2), 0.0)
     total = np.cumsum(weight, axis=1)

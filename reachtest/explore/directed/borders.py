@@ -86,12 +86,18 @@ class Borders:
         return Aim(starts, headings, rows)
 
     def _work_out_leaps(self, rng: np.random.Generator, rows: Ints, starts: Ints, headings: Ints) -> None:
-        """Most of the leaps among `rows` [B] are aimed, in place; the others find what flights over nothing do not."""
+        """Most of the leaps among `rows` [B] are aimed, in place; the others find what flights over nothing do not.
+
+        Once all that are likely to arrive were tried, leaps by chance begin anywhere before the gap.
+        """
         aimed = (self._kind[rows] == GAP) & (rng.random(len(rows)) < AIMED_SHARE)
         for lane in np.flatnonzero(aimed).tolist():
-            leap = self._leaps.draw(rng, int(rows[lane]) - len(self._along.positions))
+            gap = int(rows[lane]) - len(self._along.positions)
+            leap = self._leaps.draw(rng, gap)
             if leap is not None:
                 starts[lane], headings[lane] = leap
+            else:
+                starts[lane] = self._leaps.any_start(rng, gap, int(starts[lane]))
 
     def note(self, positions: Floats, sticks: NDArray[np.int8]) -> None:
         """Count who pushed at what, whatever for: `positions` [T, B, 3] after steps with `sticks` [T, B]."""
@@ -118,6 +124,11 @@ class Borders:
         self._seen = len(positions)
         self._bring_nearer(positions[new], new)
         self._leaps.note(positions[new], candidates.velocities[new], new)
+        n = len(self._along.positions)
+        before = self._start[
+            n : n + len(self._leaps.first)
+        ]  # a pillar is too small for a run-up as it should be
+        before[before < 0] = self._leaps.first[before < 0]
         off = candidates.off_mesh_m[new]
         beside = new[(off > BESIDE_M) & np.isfinite(off)]
         count = len(beside) * len(_ALL_WAYS)

@@ -34,6 +34,9 @@ class Leaps:
         """Leaps over `gaps`."""
         self._gaps, self._radius_m, self._table = gaps, who.radius_m, LeapTable(who, settings)
         self._edges = cKDTree(gaps.edges)
+        self.first: Ints = np.full(
+            len(gaps.edges), -1, dtype=np.int64
+        )  # cached point before each gap; -1: none yet
         self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
         self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
         self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
@@ -51,6 +54,8 @@ class Leaps:
             if len(self._points[gap]) < MOST_STARTS:
                 self._points[gap].append(int(who[point]))
                 self._places[gap].append(positions[point])
+                if self.first[gap] < 0:
+                    self.first[gap] = who[point]
 
     def draw(self, rng: np.random.Generator, gap: int) -> tuple[int, int] | None:
         """The cached point to start from and the heading of a leap over `gap`; None if none is likely to arrive."""
@@ -71,6 +76,11 @@ class Leaps:
         start, leap = points[row[drawn]], int(number[drawn])
         self._drawn[start].append(leap)
         return start, AIMED + 1 + leap
+
+    def any_start(self, rng: np.random.Generator, gap: int, otherwise: int) -> int:
+        """Some cached point before `gap`; `otherwise` if there is none."""
+        points = self._points[gap]
+        return points[int(rng.integers(len(points)))] if points else otherwise
 
     def _off_m(self, gap: int, starts: Floats, landing: Floats) -> Floats:
         """How far from `landing` [3] each leap from `starts` [k, 3] lands [k, L]; infinite if it is none over `gap`."""

@@ -187,6 +187,21 @@ def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> Non
     assert len(border_of(table)) > before  # the other island's counts from now on
 
 
+def test_a_gap_is_tried_from_a_pillar_too_small_for_a_run_up() -> None:
+    """The place to begin lay beyond the pillar: nobody was sent, however many stood there."""
+    pillars = [(x, 0, x + 1.7, 1.2) for x in (0.0, 4.8)]
+    _, gaps = places(*pillars)
+    from_first = np.flatnonzero(gaps.places.island == 0)
+    there = gaps.edges[from_first, 0] > 1.6  # the side that faces the other
+    assert gaps.places.positions[from_first[there], 0].max() < 0.0
+    table = borders(*pillars)
+    cache, candidates = cached([[1.69, 0.0, 0], [1.69, 1.2, 0]])
+    aims = [table.draw(np.random.default_rng(seed), 16, cache, candidates) for seed in range(3)]
+    rows = len(places(*pillars)[0].positions) + from_first[there]
+    sent = np.concatenate([aim.headings[np.isin(aim.targets, rows)] for aim in aims if aim is not None])
+    assert (sent > AIMED).any()  # worked out
+
+
 def test_who_flies_over_an_island_does_not_stand_on_it() -> None:
     _, footholds = watched(SQUARE, (27, 8, 30, 11))
     footholds.note(np.array([[28.0, 9, 0.3], [5, 5, 0], [28, 9, 2.0]]), np.array([False, True, True]))

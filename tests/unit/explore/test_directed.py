@@ -154,6 +154,22 @@ def test_attempts_along_a_beam_begin_on_it_though_the_ground_below_is_nearer() -
     assert aim.border_m[0] == pytest.approx(7.5)
 
 
+def test_a_start_from_which_all_goes_wrong_is_not_the_only_one() -> None:
+    """One who jumped off the end of a beam was the nearest by a metre: 2,000,000 steps began there, in vain."""
+    aim, _ = aims([[0, 31.3, 0]])
+    cache, candidates = cached([0, 39.0, 0.8], *[[x, 40.4, 0] for x in (-3, -1.5, 0, 1.5, 3)])
+    visits, starts = candidates.visits.copy(), []
+    for seed in range(20):
+        drawn = aim.draw(np.random.default_rng(seed), 16, cache, replace(candidates, visits=visits))
+        assert drawn is not None
+        np.add.at(visits, drawn.starts, 1)
+        starts.append(drawn.starts)
+    shares = np.bincount(np.concatenate(starts), minlength=len(cache)) / 320
+    assert len(shares) == 6
+    assert shares.min() > 0.05
+    assert shares[0] < 0.5
+
+
 def test_no_effort_is_wasted_on_what_nobody_should_get_to() -> None:
     aim, _ = aims([[4, 0, 0], [0, 4, 0]], worth=[False, True])
     drawn = aim.draw(np.random.default_rng(0), 8, *cached([0, 0, 0]))
