@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.records import Character, Floats
+from reachtest.records import Character, Floats, Ints
 
 STICK_DIRECTIONS = np.concatenate(
     [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
@@ -24,13 +24,14 @@ class Walk:
     push: float  # [m/s] that are added towards it
     brake: float  # [m/s] that are lost without a stick
     most: float  # [m/s]
+    step_s: float  # [s]
 
     @classmethod
     def of(cls, who: Character, timestep_s: float) -> Walk:
         """The rule of `who` for steps of `timestep_s`."""
         turn = min(who.ground_friction * timestep_s, 1.0)
         push, brake = who.acceleration_mps2 * timestep_s, who.braking_mps2 * timestep_s
-        return cls(turn, push, brake, who.walk_speed_mps)
+        return cls(turn, push, brake, who.walk_speed_mps, timestep_s)
 
     def towards(self, flat: Floats, speed: Floats, wish: Floats) -> Floats:
         """Velocities [B, 2] a step after `flat` [B, 2], which are so fast [B], with sticks `wish` [B, 2] (unit or 0).
@@ -46,3 +47,23 @@ class Walk:
         """Velocities [n, 2] one step after `flat` [n, 2], which are so fast [n], without a stick."""
         after = np.maximum(speed * (1.0 - self.turn) - self.brake, 0.0)
         return np.asarray(flat * (after / np.maximum(speed, 1e-9))[:, None], dtype=np.float64)
+
+    def run_out(self, velocity: Floats, steps: int) -> Floats:
+        """How far [n, 2] who has `velocity` [n, 2] gets in so many steps without a stick."""
+        way = np.zeros_like(velocity)
+        for _ in range(steps):
+            velocity = self.braked(velocity, np.hypot(velocity[:, 0], velocity[:, 1]))
+            way += velocity * self.step_s
+        return way
+
+    def way(self, sticks: Ints, repeat: int) -> Floats:
+        """Where [n, T + 1, 2] one is, from rest at (0, 0) on, who pushes `sticks` [n, T], each for `repeat` steps."""
+        places = np.zeros((len(sticks), sticks.shape[1] + 1, 2))
+        place, velocity = places[:, 0].copy(), np.zeros((len(sticks), 2))
+        for number, wish in enumerate(STICK_DIRECTIONS[sticks.T], start=1):
+            for _ in range(repeat):
+                speed = np.hypot(velocity[:, 0], velocity[:, 1])
+                velocity = self.towards(velocity, speed, wish)
+                place += velocity * self.step_s
+            places[:, number] = place
+        return places

@@ -57,7 +57,9 @@ class Explorer:
         starts = np.array([spawn.position for spawn in level.spawns])
         on = goal_islands(self._islands, starts, self._ledger.goals.goals)
         self._wanted, self._required_connected = self._worth(on)
-        self._directed = directed(level, self._ledger.goals, self._wanted, self._islands, on)
+        self._directed = directed(
+            level, self._ledger.columns, self._ledger.goals, self._wanted, self._islands, on
+        )
         self._restarts = Restarts(level, self._directed, seed)
         self._headings: list[NDArray[np.int16]] = []
         self._began, self._physics_s = time.monotonic(), 0.0

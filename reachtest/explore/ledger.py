@@ -38,7 +38,7 @@ class Ledger:
         self._settings, self._surface, self._spawns = s, surface, spawns
         self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
         self.cache = PositionCache(s.threshold_m)
-        self._columns = ColumnIndex(level.collision)
+        self.columns = ColumnIndex(level.collision)
         self.archive = Archive(self.cache, spawns.shape[1], s.lanes, s.reset_interval)
         self.visits = VisitCounts(s.threshold_m)
         self.risk = RiskCurve()
@@ -134,7 +134,7 @@ class Ledger:
 
     def _above(self, positions: Floats, grounded: Bools) -> Floats:
         """How high [n] above the floor below; infinite over nothing."""
-        below, _ = self._columns.highest(positions, np.inf, 0.0)
+        below, _ = self.columns.highest(positions, np.inf, 0.0)
         return np.where(grounded, 0.0, np.where(np.isnan(below), np.inf, positions[:, 2] - below))
 
     def _all_goals(self, level: Level) -> GoalSet:

@@ -14,6 +14,7 @@ from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.parts import Efforts
 from reachtest.explore.directed.starts import BY_STOREY, STRAIGHT, Starts
 from reachtest.explore.directed.turns import in_turns
+from reachtest.explore.directed.walks import Walks
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.heuristics import NEAREST_M
 from reachtest.records import Bools, Candidates, Floats, Ints
@@ -39,9 +40,9 @@ class Aim:
 class Aims:
     """Chooses goals so that all parts of the nav-mesh that are still open get their share, and counts."""
 
-    def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float) -> None:
+    def __init__(self, goals: GoalSet, worth: Bools, spacing_m: float, walks: Walks) -> None:
         """`worth` [G] are the goals that one should be able to get to."""
-        self._goals, self._promised = goals, worth
+        self._goals, self._promised, self._walks = goals, worth, walks
         self._starts = Starts()
         self._gap_m: Floats = np.full(
             len(goals.goals), np.inf
@@ -86,11 +87,21 @@ class Aims:
         goals = open_[chosen]
         # Where a way is promised, one comes along it; every other time from straight below or above, if that is nearer.
         way = np.where(self._promised[goals], rng.integers(0, 2, lanes), STRAIGHT)
-        starts = _one_each(rng, away[way, chosen], who[way, chosen], candidates.visits)
+        away, who = away[way, chosen], who[way, chosen]
+        near = away <= np.maximum(away[:, :1] + SPARE_M, BORDER_M)
+        starts = _one_each(rng, np.where(near, away, np.inf), who, candidates.visits)
         np.add.at(self._efforts.attempts, goals, 1)
         towards = self._goals.goals[goals] - cache.positions[starts]
         straight = rng.random(len(starts)) < STRAIGHT_SHARE
-        return Aim(starts, heading_of(towards) + STRAIGHTS * straight, goals)
+        headings = heading_of(towards) + STRAIGHTS * straight
+        for lane in np.flatnonzero(straight).tolist():
+            some = who[lane, near[lane]]
+            some = some[candidates.grounded[some]]
+            goal, at = self._goals.goals[goals[lane]], cache.positions[some]
+            walk = self._walks.draw(rng, goal, some, at, candidates.velocities[some])
+            if walk is not None:
+                starts[lane], headings[lane] = walk
+        return Aim(starts, headings, goals)
 
     def _forget(self) -> None:
         reached = self._goals.reached_step >= 0
@@ -120,10 +131,9 @@ class Aims:
 
 
 def _one_each(rng: np.random.Generator, away: Floats, who: Ints, visits: Ints) -> Ints:
-    """One of the cached points `who` [B, k] for each lane: near its goal and seldom visited [P], as the frontier is."""
-    near = away <= np.maximum(away[:, :1] + SPARE_M, BORDER_M)
-    visits = np.maximum(visits[who], 1)
-    weight = np.where(near, 1.0 / (visits * np.maximum(away, NEAREST_M) ** 2), 0.0)
+    """One of the cached points `who` [B, k], `away` [B, k] from its goal, for each lane: near, and seldom visited [P],
+    as the frontier is; none that is infinitely far."""
+    weight = 1.0 / (np.maximum(visits[who], 1) * np.maximum(away, NEAREST_M) ** 2)
     total = np.cumsum(weight, axis=1)
     draws = rng.random((len(who), 1)) * total[:, -1:]
     place = np.minimum((total <= draws).sum(axis=1), who.shape[1] - 1)

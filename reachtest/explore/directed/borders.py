@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import HEADINGS, LEAPS
+from reachtest.explore.actions import LEAPS
+from reachtest.explore.aimed import HEADINGS
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.aim import Aim
 from reachtest.explore.directed.footholds import Footholds

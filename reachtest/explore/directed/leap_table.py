@@ -1,6 +1,6 @@
 """What becomes of each leap that can be asked for: where it takes off, and where it lands if nothing is in the way.
 
-Shape legend: L leaps, as `actions.aimed` counts them; n characters.
+Shape legend: L leaps, as `aimed_leap` counts them; n characters.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.explore.actions import AIMED_LEAPS, LEAP_FLIGHT_STEPS, LEAP_WAIT_STEPS, aimed
+from reachtest.explore.aimed import AIMED_LEAPS, LEAP_FLIGHT_STEPS, WAIT_STEPS, aimed_leap
 from reachtest.explore.directed.gaps import flight_s
 from reachtest.records import Character, ExploreSettings, Floats
 from reachtest.walking import STICK_DIRECTIONS, Walk
@@ -45,11 +45,7 @@ class LeapTable:
 
     def run_out(self, velocity: Floats) -> Floats:
         """How far who has `velocity` [n, 2] gets before the leap begins, which is at rest [n, 2]."""
-        way = np.zeros_like(velocity)
-        for _ in range(LEAP_WAIT_STEPS * self._settings.action_repeat):
-            velocity = self._rule.braked(velocity, np.hypot(velocity[:, 0], velocity[:, 1]))
-            way += velocity / self._settings.physics_hz
-        return way
+        return self._rule.run_out(velocity, WAIT_STEPS * self._settings.action_repeat)
 
     def _flown(self, time_s: float) -> Floats:
         """How far they get in the air within `time_s` [L, 2]: the stick pushes on there, as far as it can."""
@@ -62,7 +58,7 @@ class LeapTable:
 
 
 def _take_offs(rule: Walk, settings: ExploreSettings) -> TakeOffs:
-    leaps = [aimed(number) for number in range(AIMED_LEAPS)]
+    leaps = [aimed_leap(number) for number in range(AIMED_LEAPS)]
     last = np.array([leap[:, 1].argmax() for leap in leaps])
     sticks = np.zeros((AIMED_LEAPS, last.max() + 1), dtype=np.int64)
     for number, leap in enumerate(leaps):

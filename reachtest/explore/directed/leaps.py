@@ -13,7 +13,7 @@ from collections import defaultdict
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.explore.actions import AIMED
+from reachtest.explore.actions import LEAPS_AIMED
 from reachtest.explore.directed.gaps import Gaps
 from reachtest.explore.directed.leap_table import LeapTable
 from reachtest.records import Character, ExploreSettings, Floats, Ints
@@ -75,7 +75,7 @@ class Leaps:
         drawn = int(rng.choice(len(likely), p=weight / weight.sum()))
         start, leap = points[row[drawn]], int(number[drawn])
         self._drawn[start].append(leap)
-        return start, AIMED + 1 + leap
+        return start, LEAPS_AIMED + 1 + leap
 
     def any_start(self, rng: np.random.Generator, gap: int, otherwise: int) -> int:
         """Some cached point before `gap`; `otherwise` if there is none."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from reachtest.columns import ColumnIndex
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.aim import Aim, Aims
 from reachtest.explore.directed.borders import Borders
 from reachtest.explore.directed.footholds import Footholds
 from reachtest.explore.directed.gaps import places_to_push
+from reachtest.explore.directed.walks import Walks
 from reachtest.explore.goals import GoalSet
 from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands
@@ -50,10 +52,14 @@ class Directed:
         return Aim(starts, headings, targets)
 
 
-def directed(level: Level, goals: GoalSet, wanted: Bools, islands: Islands, on: GoalIslands) -> Directed:
-    """The purposes of a level: `goals`, of which those `wanted` [G] were promised, on `islands`."""
+def directed(
+    level: Level, columns: ColumnIndex, goals: GoalSet, wanted: Bools, islands: Islands, on: GoalIslands
+) -> Directed:
+    """The purposes of a level with floors in `columns`: `goals`, of which those `wanted` [G] were promised, on
+    `islands`."""
     footholds = Footholds(islands, on.connected, on.goal_island)
-    aims = Aims(goals, wanted, level.explore.goal_spacing_m)
+    walks = Walks(level.character, level.explore, columns)
+    aims = Aims(goals, wanted, level.explore.goal_spacing_m, walks)
     along, gaps = places_to_push(islands, on.connected, level.character)
     borders = Borders(along, gaps, footholds, level.character, level.explore)
     return Directed(aims, borders, footholds, level.explore)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import AIMED, HEADINGS, LEAPS, action_stream
+from reachtest.explore.actions import LEAPS, LEAPS_AIMED, action_stream
+from reachtest.explore.aimed import HEADINGS
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.directed.footholds import Footholds
@@ -174,7 +175,7 @@ def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> Non
 
     across, headings = drawn(near)
     assert across.sum() >= 40 / 5
-    by_chance = headings[across][headings[across] <= AIMED]
+    by_chance = headings[across][headings[across] <= LEAPS_AIMED]
     assert len(by_chance)
     assert set(by_chance) <= {
         LEAPS + 8,
@@ -199,7 +200,7 @@ def test_a_gap_is_tried_from_a_pillar_too_small_for_a_run_up() -> None:
     aims = [table.draw(np.random.default_rng(seed), 16, cache, candidates) for seed in range(3)]
     rows = len(places(*pillars)[0].positions) + from_first[there]
     sent = np.concatenate([aim.headings[np.isin(aim.targets, rows)] for aim in aims if aim is not None])
-    assert (sent > AIMED).any()  # worked out
+    assert (sent > LEAPS_AIMED).any()  # worked out
 
 
 def test_who_flies_over_an_island_does_not_stand_on_it() -> None:

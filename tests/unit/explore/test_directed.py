@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import STRAIGHTS, action_stream, heading_of
+from reachtest.columns import ColumnIndex
+from reachtest.explore.actions import STRAIGHTS, WALKS_AIMED, action_stream, heading_of
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.aim import BORDER_M, CONSIDERED, STRAIGHT_SHARE, Aims
+from reachtest.explore.directed.walks import Walks
 from reachtest.explore.goals import GoalSet
-from reachtest.records import Candidates
+from reachtest.records import Candidates, ExploreSettings
+from tests.levels import FLOOR, UNREAL
 from tests.unit.explore.walker import Run
 
 DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.arange(8) * np.pi / 4])
@@ -34,8 +37,16 @@ def test_a_straight_heading_keeps_to_a_beam_and_a_share_of_the_attempts_has_one(
     aim, _ = aims([[4, 0, 0]])
     drawn = aim.draw(np.random.default_rng(0), 200, *cached([0, 0, 0]))
     assert drawn is not None
-    assert set(drawn.headings) == {1, STRAIGHTS + 1}
+    assert set((drawn.headings - 1) % 8 + 1) <= {8, 1, 2}
     assert (drawn.headings > STRAIGHTS).mean() == pytest.approx(STRAIGHT_SHARE, abs=0.1)
+    assert (drawn.headings > WALKS_AIMED).any()
+    nowhere, _ = aims([[4, 0, 0]])
+    cache, candidates = cached([0, 0, 0])
+    drawn = nowhere.draw(
+        np.random.default_rng(0), 200, cache, replace(candidates, grounded=np.zeros(1, dtype=bool))
+    )
+    assert drawn is not None
+    assert set(drawn.headings) == {1, STRAIGHTS + 1}  # nobody stands where a walk might begin
 
 
 def test_a_directed_stream_is_its_own_and_the_others_stay_as_they_were() -> None:
@@ -60,7 +71,9 @@ def cached(*positions) -> tuple[PositionCache, Candidates]:
 def aims(goals, worth=None) -> tuple[Aims, GoalSet]:
     places = np.array(goals, dtype=float)
     all_goals = GoalSet(places, np.ones(len(places)))
-    return Aims(all_goals, np.ones(len(places), bool) if worth is None else np.array(worth), 4.0), all_goals
+    worth_ = np.ones(len(places), bool) if worth is None else np.array(worth)
+    walks = Walks(UNREAL, ExploreSettings(), ColumnIndex(np.array(FLOOR, dtype=float)))
+    return Aims(all_goals, worth_, 4.0, walks), all_goals
 
 
 def test_every_open_part_gets_its_share_however_large_it_is() -> None:

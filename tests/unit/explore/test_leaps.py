@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from reachtest.explore.actions import AIMED, AIMED_LEAPS, LEAPS, action_stream, aimed
+from reachtest.explore.actions import LEAPS, LEAPS_AIMED, action_stream
+from reachtest.explore.aimed import AIMED_LEAPS, aimed_leap
 from reachtest.explore.directed.gaps import Gaps, places_to_push
 from reachtest.explore.directed.leap_table import LeapTable
 from reachtest.explore.directed.leaps import Leaps
@@ -114,8 +115,8 @@ def test_leaps_take_off_where_the_character_does(preset: str) -> None:
     numbers = np.random.default_rng(0).choice(AIMED_LEAPS, LANES, replace=False)
     start = simulator.place(np.array([[0.0, 0.0, 0.02]]))
     simulator.restore(np.arange(LANES), np.repeat(start, LANES, axis=0))
-    streams = [action_stream(0, 0, 0, 32, AIMED + 1 + int(number)) for number in numbers]
-    take_off = np.array([aimed(int(number))[:, 1].argmax() for number in numbers])
+    streams = [action_stream(0, 0, 0, 32, LEAPS_AIMED + 1 + int(number)) for number in numbers]
+    take_off = np.array([aimed_leap(int(number))[:, 1].argmax() for number in numbers])
     for step, actions in enumerate(np.stack(streams, axis=1)):
         now = take_off == step
         before = simulator.save()[now]
