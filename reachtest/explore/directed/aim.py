@@ -91,16 +91,13 @@ class Aims:
         near = away <= np.maximum(away[:, :1] + SPARE_M, BORDER_M)
         starts = _one_each(rng, np.where(near, away, np.inf), who, candidates.visits)
         np.add.at(self._efforts.attempts, goals, 1)
-        towards = self._goals.goals[goals] - cache.positions[starts]
-        straight = rng.random(len(starts)) < STRAIGHT_SHARE
-        headings = heading_of(towards) + STRAIGHTS * straight
-        for lane in np.flatnonzero(straight).tolist():
-            some = who[lane, near[lane]]
-            some = some[candidates.grounded[some]]
-            goal, at = self._goals.goals[goals[lane]], cache.positions[some]
-            walk = self._walks.draw(rng, goal, some, at, candidates.velocities[some])
-            if walk is not None:
-                starts[lane], headings[lane] = walk
+        headings = heading_of(self._goals.goals[goals] - cache.positions[starts])
+        for lane in np.flatnonzero(rng.random(lanes) < STRAIGHT_SHARE).tolist():
+            stand = who[lane, near[lane]]
+            stand = stand[candidates.grounded[stand]]
+            goal, velocities = self._goals.goals[goals[lane]], candidates.velocities[stand]
+            walk = self._walks.draw(rng, goal, stand, cache.positions[stand], velocities)
+            starts[lane], headings[lane] = walk or (starts[lane], headings[lane] + STRAIGHTS)
         return Aim(starts, headings, goals)
 
     def _forget(self) -> None:

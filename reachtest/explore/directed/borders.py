@@ -125,11 +125,9 @@ class Borders:
         self._seen = len(positions)
         self._bring_nearer(positions[new], new)
         self._leaps.note(positions[new], candidates.velocities[new], new)
-        n = len(self._along.positions)
-        before = self._start[
-            n : n + len(self._leaps.first)
-        ]  # a pillar is too small for a run-up as it should be
-        before[before < 0] = self._leaps.first[before < 0]
+        at_gaps = self._start[len(self._along.positions) :][: len(self._leaps.first)]
+        none_yet = at_gaps < 0
+        at_gaps[none_yet] = self._leaps.first[none_yet]  # a pillar may be too small for a run-up
         off = candidates.off_mesh_m[new]
         beside = new[(off > BESIDE_M) & np.isfinite(off)]
         count = len(beside) * len(_ALL_WAYS)
