@@ -33,7 +33,7 @@ class Gaps:
 
 
 def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
-    """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to from there."""
+    """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to."""
     pieces = pieces_of(islands)
     start, end = _leaps(pieces, connected, who)
     likely = connected.copy()
@@ -90,25 +90,19 @@ def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
 
 
 def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints]:
-    """Pieces of the border [N] that a jump may carry from and to, from island to island: to all but the `connected`."""
+    """Pieces of the border [N] that a jump may carry from and to: from any island, since one may get onto it by a way
+    that no nav-mesh shows, to any other but the `connected`."""
     apart = np.flatnonzero(~connected[pieces.island])
     reach = float(np.hypot(_carries_m(who, -DROP_M), DROP_M))
     there = cKDTree(pieces.middles[apart].reshape(-1, 3))
     found = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
-    reached, latest = connected.copy(), connected
-    while latest.any():
-        here = np.flatnonzero(latest[pieces.island])
-        new = np.zeros_like(connected)
-        for begin in range(0, len(here), AT_ONCE):
-            some = here[begin : begin + AT_ONCE]
-            pairs = cKDTree(pieces.middles[some]).sparse_distance_matrix(there, reach, output_type="ndarray")
-            start, end = some[pairs["i"]], apart[pairs["j"]]
-            good = (pieces.island[start] != pieces.island[end]) & jump_carries(
-                who, pieces.middles[end] - pieces.middles[start]
-            )
-            found.append((start[good], end[good]))
-            new[pieces.island[end[good]]] = True
-        latest = new & ~reached
-        reached |= new
+    for begin in range(0, len(pieces.middles) if len(apart) else 0, AT_ONCE):
+        here = cKDTree(pieces.middles[begin : begin + AT_ONCE])
+        pairs = here.sparse_distance_matrix(there, reach, output_type="ndarray")
+        start, end = begin + pairs["i"], apart[pairs["j"]]
+        good = (pieces.island[start] != pieces.island[end]) & jump_carries(
+            who, pieces.middles[end] - pieces.middles[start]
+        )
+        found.append((start[good], end[good]))
     starts, ends = zip(*found, strict=True)
     return np.concatenate(starts), np.concatenate(ends)

@@ -145,6 +145,13 @@ def test_jumps_are_followed_from_island_to_island() -> None:
     assert 41 < along.positions[:, 0].max() < 43
 
 
+def test_leaps_may_begin_where_no_leap_leads() -> None:
+    """One may get there along a beam that is too narrow for the nav-mesh."""
+    _, gaps = places(SQUARE, *((x, 8, x + 3, 11) for x in (60, 66)))
+    there = np.column_stack([gaps.places.island, gaps.places.target])
+    assert {tuple(pair) for pair in there.tolist()} == {(1, 2), (2, 1)}
+
+
 def test_it_does_not_matter_how_many_pieces_are_looked_at_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     rectangles = SQUARE, *((x, 8, x + 3, 11) for x in (27, 33, 39, 70))
     _, whole = places(*rectangles)
