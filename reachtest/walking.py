@@ -9,11 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.records import Character, Floats, Ints
+from reachtest.records import Bools, Character, Floats, Ints
 
 STICK_DIRECTIONS = np.concatenate(
     [np.zeros((1, 2)), [[np.cos(a), np.sin(a)] for a in np.arange(8) * (np.pi / 4)]]
 )  # [9, 2] what an action's stick means: centred, then by 45 degrees
+AT_REST_MPS = 0.05
 
 
 @dataclass(frozen=True)
@@ -48,22 +49,27 @@ class Walk:
         after = np.maximum(speed * (1.0 - self.turn) - self.brake, 0.0)
         return np.asarray(flat * (after / np.maximum(speed, 1e-9))[:, None], dtype=np.float64)
 
-    def run_out(self, velocity: Floats, steps: int) -> Floats:
-        """How far [n, 2] who has `velocity` [n, 2] gets in so many steps without a stick."""
+    def step(self, velocity: Floats, sticks: Ints) -> Floats:
+        """Velocities [n, 2] one step after `velocity` [n, 2] with `sticks` [n], 0 to 8."""
+        speed = np.hypot(velocity[:, 0], velocity[:, 1])
+        pushed = self.towards(velocity, speed, STICK_DIRECTIONS[sticks])
+        return np.where(sticks[:, None] > 0, pushed, self.braked(velocity, speed))
+
+    def run_out(self, velocity: Floats, steps: int) -> tuple[Floats, Bools]:
+        """How far [n, 2] who has `velocity` [n, 2] gets in `steps` without a stick, and who is at rest [n] by then."""
         way = np.zeros_like(velocity)
         for _ in range(steps):
             velocity = self.braked(velocity, np.hypot(velocity[:, 0], velocity[:, 1]))
             way += velocity * self.step_s
-        return way
+        return way, np.hypot(velocity[:, 0], velocity[:, 1]) < AT_REST_MPS
 
     def way(self, sticks: Ints, repeat: int) -> Floats:
         """Where [n, T + 1, 2] one is, from rest at (0, 0) on, who pushes `sticks` [n, T], each for `repeat` steps."""
         places = np.zeros((len(sticks), sticks.shape[1] + 1, 2))
         place, velocity = places[:, 0].copy(), np.zeros((len(sticks), 2))
-        for number, wish in enumerate(STICK_DIRECTIONS[sticks.T], start=1):
+        for number, stick in enumerate(sticks.T, start=1):
             for _ in range(repeat):
-                speed = np.hypot(velocity[:, 0], velocity[:, 1])
-                velocity = self.towards(velocity, speed, wish)
+                velocity = self.step(velocity, stick)
                 place += velocity * self.step_s
             places[:, number] = place
         return places

@@ -1,7 +1,7 @@
 """Beginnings of episodes that were worked out: leaps across a gap, and walks straight to a place.
 
-Each has a number, so that an episode can be simulated again from what the number says alone. All begin at rest: a
-character that waits stands, whichever way it was running.
+Each has a number, so that an episode can be simulated again from what the number says alone. All begin by waiting: they
+are worked out for who stands by then.
 """
 
 from __future__ import annotations
@@ -20,10 +20,8 @@ AIMED_LEAPS = STEPS_ASIDE * len(TURNS) * RUN_UPS * HEADINGS
 LEAP_FLIGHT_STEPS = 6  # pushing on in the air, as long as any preset's jump takes
 LEAP_STOP_STEPS = 6  # the other side may lie lower, and a pillar is soon run across
 WAIT_STEPS = 2  # until one stands
-WALK_STEPS = 16  # two seconds
-BETWEEN = (
-    8  # ways of a walk between two of the stick's, kept to by pushing one of these and the other in turns
-)
+WALK_STEPS = 16  # two seconds, by default
+BETWEEN = 8  # ways of a walk for each of the stick's: those between two are kept to by pushing both in turns
 AIMED_WALKS = STEPS_ASIDE * BETWEEN * HEADINGS
 
 

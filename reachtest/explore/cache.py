@@ -1,5 +1,8 @@
 """The position cache S_disc of the paper: exact insertion in order of discovery, a batch at a time.
 
+What somebody stood at is discovered apart from what was flown through: jumps over a crate pass within K of all of its
+top, so that nobody would ever go on from there.
+
 Shape legend: n positions of a batch, P cached points.
 """
 
@@ -16,24 +19,49 @@ _NEARER = 1.0 - 1e-6
 
 
 class PositionCache:
+    """Points pairwise more than `threshold_m` apart, and those that were stood at and are so far from others such."""
+
+    def __init__(self, threshold_m: float) -> None:
+        self._anywhere, self._stood_at = Spaced(threshold_m), Spaced(threshold_m)
+        self._positions, self._count = np.empty((1024, 3)), 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    @property
+    def positions(self) -> Floats:
+        """[P, 3] in order of discovery."""
+        return self._positions[: self._count]
+
+    def insert(self, positions: Floats, stands: Bools | None = None) -> Ints:
+        """Offer `positions` [n, 3] one after the other, of which one `stands` [n] at some; the indices of those that
+        were inserted.
+
+        A position is inserted if d(S_disc, s) > K at its turn, or if one stands there and that is so of the positions
+        one stood at.
+        """
+        new = self._anywhere.insert(positions)
+        if stands is not None:
+            rows = np.flatnonzero(stands)
+            new = np.union1d(new, rows[self._stood_at.insert(positions[rows])])
+        begin, self._count = self._count, self._count + len(new)
+        while self._count > len(self._positions):
+            self._positions = np.concatenate([self._positions, np.empty_like(self._positions)])
+        self._positions[begin : self._count] = positions[new]
+        return new
+
+
+class Spaced:
     """Points pairwise more than `threshold_m` apart."""
 
     def __init__(self, threshold_m: float) -> None:
         self.threshold_m = threshold_m
         self._points = Forest()
 
-    def __len__(self) -> int:
-        return len(self._points)
-
-    @property
-    def positions(self) -> Floats:
-        """[P, 3] in order of discovery."""
-        return self._points.positions
-
     def insert(self, positions: Floats) -> Ints:
         """Offer `positions` [n, 3] one after the other; the indices of those that were inserted.
 
-        A position is inserted when the cache is empty or d(S_disc, s) > K at its turn.
+        A position is inserted when there is none yet, or all are farther than K at its turn.
         """
         open_ = np.arange(len(positions))
         for run in self._points.runs:
@@ -49,7 +77,7 @@ class PositionCache:
         known = np.asarray(near <= self.threshold_m * _NEARER, dtype=np.bool_)
         for i in np.flatnonzero(np.isfinite(near) & ~known).tolist():  # at K to within rounding
             rivals = run.begin + np.array(run.tree.query_ball_point(positions[i], self.threshold_m * _WIDER))
-            known[i] = _distance(self.positions[rivals], positions[i]).min() <= self.threshold_m
+            known[i] = _distance(self._points.positions[rivals], positions[i]).min() <= self.threshold_m
         return known
 
     def _thin(self, positions: Floats) -> Bools:

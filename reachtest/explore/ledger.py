@@ -88,7 +88,7 @@ class Ledger:
         stays = Stays(footings, np.zeros(parents.shape, dtype=np.bool_))
         self.transitions.add(rolled, stays, parents, self.rounds, self.archive.stood_at(parents))
         began = time.monotonic()
-        order = valid[self.cache.insert(flat)]
+        order = valid[self.cache.insert(flat, rolled.grounded.ravel()[valid])]
         self.cache_s += time.monotonic() - began
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
         trails = Trails(rolled, parents, self._surface, self._spawn_positions)

@@ -20,9 +20,7 @@ from reachtest.explore.heuristics import NEAREST_M
 from reachtest.records import Bools, Candidates, Floats, Ints
 
 BORDER_M = 8.0  # an attempt from farther off says little: two goals' spacing
-SPARE_M = (
-    4.0  # so much farther than the nearest start lie some others to draw: from that one all may go wrong
-)
+SPARE_M = 4.0  # starts up to so much farther than the nearest are drawn too: from it all may go wrong
 NEARER_M = 1.0  # a border that came this much nearer makes attempts from the old one worthless
 CONSIDERED = 1024  # open goals a round looks at: plenty for its lanes, and cheap in a city
 STRAIGHT_SHARE = 0.25  # of the attempts at goals: the others find the way around corners, and fall off beams
@@ -33,7 +31,7 @@ class Aim:
     """What directed lanes of a round do."""
 
     starts: Ints  # [B] cached points
-    headings: Ints  # [B] 1 to 32: see `action_stream`
+    headings: Ints  # [B] see `action_stream`
     targets: Ints  # [B] what each is counted for: a goal, or a place to push from
 
 
@@ -51,10 +49,10 @@ class Aims:
         self._efforts = Efforts(goals.goals, 2 * spacing_m)
         self.border_m: Floats = np.full(len(goals.goals), np.inf)  # [G] how far that start was
 
-    @property
-    def promised_open(self) -> bool:
-        """Whether a goal is open that one should be able to get to."""
-        return bool(((self._goals.reached_step < 0) & self._promised).any())
+    def wanting(self, effort: int) -> bool:
+        """Whether a goal is open that one should be able to get to, and fewer than `effort` attempts were in vain."""
+        open_ = (self._goals.reached_step < 0) & self._promised
+        return bool((open_ & (self.attempts_at_parts() < effort)).any())
 
     def attempts(self) -> Ints:
         """Attempts [G] in vain so far, each counted at the goal it pushed to."""
@@ -105,7 +103,7 @@ class Aims:
         self._efforts.forget(~reached & self._worth, reached)
 
     def _note_border(self, goals: Ints, away: Floats, starts: Floats) -> None:
-        """Attempts count when they began near the goal, or from the nearest place that was ever reached.
+        """Attempts count when they began near the goal, or from about the nearest place that was ever reached.
 
         `away` [n] is how far the nearest of them, `starts` [n, 3], are from `goals` [n] by storey.
         """

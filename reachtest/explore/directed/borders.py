@@ -44,16 +44,17 @@ class Borders:
     ) -> None:
         """Places `along` the border, and at `gaps` that are of interest until somebody stands on the other side."""
         self._along, self._footholds, self._leaps = along, footholds, Leaps(gaps, who, settings)
-        before = gaps.places
-        positions = np.concatenate([along.positions, before.positions]).reshape(-1, 3)
-        self._tree = cKDTree(positions)
-        n, rows = len(along.positions), len(positions)
-        self._away = np.full(rows, np.inf)  # from the place to its start
+        before, n = gaps.places, len(along.positions)
+        rows = n + len(before.positions)
+        self._tree = cKDTree(along.positions.reshape(-1, 3))
+        self._away = np.full(n, np.inf)  # from the place to its start
         self._heading = np.concatenate([along.headings, before.headings])  # [R]
         self._target = np.concatenate([along.target, before.target])  # [R]
         outer = np.where(outermost(along.positions, along.headings), OUTER, INNER)
         self._kind = np.concatenate([outer, np.full(rows - n, GAP)])  # [R]
-        self._start: Ints = np.full(rows, -1, dtype=np.int64)  # [R] cached point; -1: none near yet
+        self._start: Ints = np.full(
+            rows, -1, dtype=np.int64
+        )  # [R] cached point; -1: none near yet, or at a gap
         self._tried: Ints = np.zeros(rows, dtype=np.int64)  # [R] lanes that were sent
         self._pushes = Pushes(along)
         self._seen = 0  # cached points that were looked at
@@ -70,7 +71,9 @@ class Borders:
         """Rows for `lanes` lanes, the kinds in their turns and of each the least tried; None while there is none."""
         self._look_at_new(cache.positions, candidates)
         crossed = (self._target != NOWHERE) & self._footholds.stood[self._target]
-        startable = (self._start >= 0) & ~crossed
+        startable = self._start >= 0
+        startable[self._kind == GAP] = self._leaps.has_start
+        startable &= ~crossed
         kinds = [np.flatnonzero(startable & (self._kind == kind)) for kind in KINDS]
         turns = [kind for kind in TURNS if len(kinds[kind])]
         if not turns or not lanes:
@@ -83,22 +86,17 @@ class Borders:
         how = np.where(rng.random(len(rows)) < JUMPING_SHARE, HEADINGS, 0)
         how[self._kind[rows] == GAP] = LEAPS
         starts, headings = self._start[rows], self._heading[rows] + how
-        self._work_out_leaps(rng, rows, starts, headings)
+        self._leap(rng, rows, starts, headings)
         return Aim(starts, headings, rows)
 
-    def _work_out_leaps(self, rng: np.random.Generator, rows: Ints, starts: Ints, headings: Ints) -> None:
-        """Most of the leaps among `rows` [B] are aimed, in place; the others find what flights over nothing do not.
-
-        Once all that are likely to arrive were tried, leaps by chance begin anywhere before the gap.
-        """
-        aimed = (self._kind[rows] == GAP) & (rng.random(len(rows)) < AIMED_SHARE)
-        for lane in np.flatnonzero(aimed).tolist():
+    def _leap(self, rng: np.random.Generator, rows: Ints, starts: Ints, headings: Ints) -> None:
+        """Over the gaps among `rows` [B], in place. Most of the leaps are aimed; the others find what flights over
+        nothing do not."""
+        aimed = rng.random(len(rows)) < AIMED_SHARE
+        for lane in np.flatnonzero(self._kind[rows] == GAP).tolist():
             gap = int(rows[lane]) - len(self._along.positions)
-            leap = self._leaps.draw(rng, gap)
-            if leap is not None:
-                starts[lane], headings[lane] = leap
-            else:
-                starts[lane] = self._leaps.any_start(rng, gap, int(starts[lane]))
+            leap = self._leaps.draw(rng, gap) if aimed[lane] else None
+            starts[lane], headings[lane] = leap or (self._leaps.any_start(rng, gap), headings[lane])
 
     def note(self, positions: Floats, sticks: NDArray[np.int8]) -> None:
         """Count who pushed at what, whatever for: `positions` [T, B, 3] after steps with `sticks` [T, B]."""
@@ -123,11 +121,9 @@ class Borders:
         """Take in cached points that are new: nearer starts, and more rows for those beside the nav-mesh."""
         new = self._seen + np.flatnonzero(candidates.grounded[self._seen :])
         self._seen = len(positions)
+        self._footholds.note(positions, candidates.grounded)
         self._bring_nearer(positions[new], new)
-        self._leaps.note(positions[new], candidates.velocities[new], new)
-        at_gaps = self._start[len(self._along.positions) :][: len(self._leaps.first)]
-        none_yet = at_gaps < 0
-        at_gaps[none_yet] = self._leaps.first[none_yet]  # a pillar may be too small for a run-up
+        self._leaps.note(positions[new], candidates.velocities[new], new, self._footholds.island[new])
         off = candidates.off_mesh_m[new]
         beside = new[(off > BESIDE_M) & np.isfinite(off)]
         count = len(beside) * len(_ALL_WAYS)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reachtest.explore.directed.places import NOWHERE
 from reachtest.navmesh.coverage import STOOD_WITHIN_M
 from reachtest.navmesh.faces import FaceIndex
 from reachtest.navmesh.islands import Islands
@@ -19,10 +20,12 @@ class Footholds:
     def __init__(self, islands: Islands, connected: Bools, goal_island: Ints) -> None:
         """`connected` [I] islands; `goal_island` [G] is the island of each goal, -1 for none."""
         self.stood: Bools = connected.copy()
-        self._goal_island, self._seen = goal_island, 0
-        apart = ~connected[islands.labels]
-        self._island = islands.labels[apart]  # of each face of `_faces`
-        self._faces = FaceIndex(islands.navmesh.triangles[apart], STOOD_WITHIN_M)
+        self.island: Ints = np.empty(
+            0, dtype=np.int64
+        )  # [P] that each cached point stands on, NOWHERE for none
+        self._goal_island = goal_island
+        self._labels = np.append(islands.labels, NOWHERE)  # face -1 is nowhere
+        self._faces = FaceIndex(islands.navmesh.triangles, STOOD_WITHIN_M)
 
     @property
     def goals(self) -> Bools:
@@ -31,8 +34,11 @@ class Footholds:
 
     def note(self, positions: Floats, grounded: Bools) -> None:
         """Look at the cached points [P, 3] that are new since the last time, where they stand on the ground."""
-        new = positions[self._seen :][grounded[self._seen :]]
-        self._seen = len(positions)
-        if len(self._island) and len(new):
-            face, _ = self._faces.below(new, STOOD_WITHIN_M, STOOD_WITHIN_M)
-            self.stood[self._island[face[face >= 0]]] = True
+        seen = len(self.island)
+        new = np.full(len(positions) - seen, NOWHERE)
+        rows = np.flatnonzero(grounded[seen:])
+        if len(rows) and len(self._labels) > 1:
+            face, _ = self._faces.below(positions[seen + rows], STOOD_WITHIN_M, STOOD_WITHIN_M)
+            new[rows] = self._labels[face]
+        self.island = np.append(self.island, new)
+        self.stood[new[new != NOWHERE]] = True

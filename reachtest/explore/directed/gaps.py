@@ -15,7 +15,6 @@ from reachtest.explore.directed.places import Pieces, Places, along, cells_of, f
 from reachtest.navmesh.islands import Islands
 from reachtest.records import Bools, Character, Floats, Ints
 
-RUN_UP_M = 2.0  # before a gap: from a standstill most of a character's speed
 LANDING_M = 0.4  # behind a gap: not on the very edge
 DROP_M = 5.0  # the other side of a gap may lie so much lower
 AT_ONCE = 4096  # pieces of the border: a city has many pairs of them
@@ -26,19 +25,18 @@ FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
 class Gaps:
     """Gaps between islands that a jump may carry over."""
 
-    places: Places  # before them, with room to run up
-    edges: Floats  # [n, 3] of the nav-mesh on this side
+    places: Places  # at the edge on this side
     outwards: Floats  # [n, 2] straight over that edge
     landings: tuple[Floats, ...]  # n of [k, 3] a little way into the nav-mesh beyond, the nearest first
 
 
 def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
-    """Along the border, and at gaps: of the `connected` islands [I] and of those that jumps may lead to."""
+    """Along the border of the `connected` islands [I] and of those that jumps may lead to from there; and all gaps."""
     pieces = pieces_of(islands)
     start, end = _leaps(pieces, connected, who)
-    likely = connected.copy()
-    likely[pieces.island[end]] = True
-    return along(pieces).on(likely), _gaps(pieces, start, end)
+    return along(pieces).on(_reached(connected, pieces.island[start], pieces.island[end])), _gaps(
+        pieces, start, end
+    )
 
 
 def jump_carries(who: Character, away: Floats) -> Bools:
@@ -75,18 +73,25 @@ def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
     kept = first_of(np.column_stack([cell, pair[first, 1]]), far, start[first])
     begin, stop = first[kept], np.append(first, len(pair))[kept + 1]
     edge = start[begin]
-    positions, ways = pieces.middles[edge], away[begin, :2]
+    ways = away[begin, :2]
     above = np.hypot(ways[:, 0], ways[:, 1]) <= FLOAT_M
     ways[above] = pieces.outwards[edge][above]
-    positions[:, :2] -= RUN_UP_M * ways / np.linalg.norm(ways, axis=1, keepdims=True)
     inside = pieces.middles[end]
     inside[:, :2] -= LANDING_M * pieces.outwards[end]
     return Gaps(
-        Places(positions, heading_of(ways), pieces.island[edge], pair[begin, 1]),
-        pieces.middles[edge],
+        Places(pieces.middles[edge], heading_of(ways), pieces.island[edge], pair[begin, 1]),
         pieces.outwards[edge],
         tuple(inside[one:last] for one, last in zip(begin.tolist(), stop.tolist(), strict=True)),
     )
+
+
+def _reached(connected: Bools, start: Ints, end: Ints) -> Bools:
+    """Which islands [I] jumps from islands `start` [N] to `end` [N] lead to from the `connected`, and these."""
+    before, reached = np.zeros_like(connected), connected
+    while (before != reached).any():
+        before, reached = reached, reached.copy()
+        reached[end[reached[start]]] = True
+    return reached
 
 
 def _leaps(pieces: Pieces, connected: Bools, who: Character) -> tuple[Ints, Ints]:

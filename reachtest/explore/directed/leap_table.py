@@ -11,7 +11,7 @@ import numpy as np
 
 from reachtest.explore.aimed import AIMED_LEAPS, LEAP_FLIGHT_STEPS, WAIT_STEPS, aimed_leap
 from reachtest.explore.directed.gaps import flight_s
-from reachtest.records import Character, ExploreSettings, Floats
+from reachtest.records import Bools, Character, ExploreSettings, Floats
 from reachtest.walking import STICK_DIRECTIONS, Walk
 
 RISE_M = 0.05  # within it flights last as long
@@ -43,8 +43,8 @@ class LeapTable:
             self._lands[rise] = self.take_offs.places + flown
         return self._lands[rise]
 
-    def run_out(self, velocity: Floats) -> Floats:
-        """How far who has `velocity` [n, 2] gets before the leap begins, which is at rest [n, 2]."""
+    def run_out(self, velocity: Floats) -> tuple[Floats, Bools]:
+        """How far [n, 2] who has `velocity` [n, 2] gets before the leap begins, and who is at rest [n] by then."""
         return self._rule.run_out(velocity, WAIT_STEPS * self._settings.action_repeat)
 
     def _flown(self, time_s: float) -> Floats:
@@ -67,9 +67,7 @@ def _take_offs(rule: Walk, settings: ExploreSettings) -> TakeOffs:
     places, velocities = place.copy(), velocity.copy()
     for step, stick in enumerate(sticks.T):
         for tick in range(settings.action_repeat):
-            speed = np.hypot(velocity[:, 0], velocity[:, 1])
-            pushed = rule.towards(velocity, speed, STICK_DIRECTIONS[stick])
-            velocity = np.where(stick[:, None] > 0, pushed, rule.braked(velocity, speed))
+            velocity = rule.step(velocity, stick)
             if tick == 0:  # it jumps with the velocity of this tick, before it moves
                 now = last == step
                 places[now], velocities[now] = place[now], velocity[now]

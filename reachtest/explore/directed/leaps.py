@@ -16,7 +16,8 @@ from scipy.spatial import cKDTree
 from reachtest.explore.actions import LEAPS_AIMED
 from reachtest.explore.directed.gaps import Gaps
 from reachtest.explore.directed.leap_table import LeapTable
-from reachtest.records import Character, ExploreSettings, Floats, Ints
+from reachtest.explore.directed.places import NOWHERE
+from reachtest.records import Bools, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 4.0  # starts are no farther from the edge: a run-up to full speed, and from all sides
 STOREY_M = 0.5  # above or below a slope of 45 degrees from the edge: another storey
@@ -33,29 +34,33 @@ class Leaps:
     def __init__(self, gaps: Gaps, who: Character, settings: ExploreSettings) -> None:
         """Leaps over `gaps`."""
         self._gaps, self._radius_m, self._table = gaps, who.radius_m, LeapTable(who, settings)
-        self._edges = cKDTree(gaps.edges)
-        self.first: Ints = np.full(
-            len(gaps.edges), -1, dtype=np.int64
-        )  # cached point before each gap; -1: none yet
-        self._points: list[list[int]] = [[] for _ in gaps.edges]  # cached points before each gap,
-        self._places: list[list[Floats]] = [[] for _ in gaps.edges]  # and where they are
+        count = len(gaps.outwards)
+        self._edges = cKDTree(gaps.places.positions)
+        self.has_start: Bools = np.zeros(count, dtype=np.bool_)  # before which gaps somebody stood
+        self._points: list[list[int]] = [[] for _ in range(count)]  # cached points before each gap,
+        self._places: list[list[Floats]] = [[] for _ in range(count)]  # and where they are
         self._drawn: defaultdict[int, list[int]] = defaultdict(list)  # leaps, by cached point
 
-    def note(self, positions: Floats, velocities: Floats, who: Ints) -> None:
-        """Take in cached points `who` [m] that are on the ground at `positions` [m, 3], with `velocities` [m, 3]."""
+    def note(self, positions: Floats, velocities: Floats, who: Ints, on: Ints) -> None:
+        """Take in cached points `who` [m] on the ground at `positions` [m, 3], with `velocities` [m, 3], `on` islands
+        [m] or NOWHERE. A leap begins on the island before its gap, or off the nav-mesh as high as the edge."""
         if not len(who) or not self._edges.n:
             return
         positions = positions.copy()
-        positions[:, :2] += self._table.run_out(velocities[:, :2])
+        run_out, still = self._table.run_out(velocities[:, :2])
+        positions[:, :2] += run_out
         pairs = cKDTree(positions).sparse_distance_matrix(self._edges, NEAR_M, output_type="ndarray")
-        away = np.abs(self._gaps.edges[pairs["j"]] - positions[pairs["i"]])
-        pairs = np.sort(pairs[away[:, 2] <= np.hypot(away[:, 0], away[:, 1]) + STOREY_M], order=("i", "j"))
+        start, before = pairs["i"], self._gaps.places
+        away = np.abs(before.positions[pairs["j"]] - positions[start])
+        slope = away[:, 2] <= np.hypot(away[:, 0], away[:, 1]) + STOREY_M
+        on_it = (on[start] == before.island[pairs["j"]]) & slope
+        beside = (on[start] == NOWHERE) & (away[:, 2] <= STOREY_M)
+        pairs = np.sort(pairs[still[start] & (on_it | beside)], order=("i", "j"))
         for point, gap in zip(pairs["i"].tolist(), pairs["j"].tolist(), strict=True):
             if len(self._points[gap]) < MOST_STARTS:
                 self._points[gap].append(int(who[point]))
                 self._places[gap].append(positions[point])
-                if self.first[gap] < 0:
-                    self.first[gap] = who[point]
+        self.has_start[pairs["j"]] = True
 
     def draw(self, rng: np.random.Generator, gap: int) -> tuple[int, int] | None:
         """The cached point to start from and the heading of a leap over `gap`; None if none is likely to arrive."""
@@ -77,14 +82,13 @@ class Leaps:
         self._drawn[start].append(leap)
         return start, LEAPS_AIMED + 1 + leap
 
-    def any_start(self, rng: np.random.Generator, gap: int, otherwise: int) -> int:
-        """Some cached point before `gap`; `otherwise` if there is none."""
-        points = self._points[gap]
-        return points[int(rng.integers(len(points)))] if points else otherwise
+    def any_start(self, rng: np.random.Generator, gap: int) -> int:
+        """Some cached point before `gap`, which has one."""
+        return self._points[gap][int(rng.integers(len(self._points[gap])))]
 
     def _off_m(self, gap: int, starts: Floats, landing: Floats) -> Floats:
         """How far from `landing` [3] each leap from `starts` [k, 3] lands [k, L]; infinite if it is none over `gap`."""
-        edge, out, leaps = self._gaps.edges[gap], self._gaps.outwards[gap], self._table.take_offs
+        edge, out, leaps = self._gaps.places.positions[gap], self._gaps.outwards[gap], self._table.take_offs
         lands = self._table.lands(float(landing[2] - edge[2]))
         to_landing = landing - starts
         off = [lands[:, axis] - to_landing[:, axis, None] for axis in (0, 1)]

@@ -16,7 +16,9 @@ from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import OUTWARDS, Bools, Candidates, ExploreSettings, Level
 
-AFTERWARDS = 2.0  # times as many lanes once all goals are reached that were promised
+AFTERWARDS = (
+    2.0  # times as many lanes once all goals that were promised are reached, or were tried for enough
+)
 
 
 class Directed:
@@ -28,13 +30,14 @@ class Directed:
     def __init__(self, aims: Aims, borders: Borders, footholds: Footholds, settings: ExploreSettings) -> None:
         self.aims, self.borders, self._footholds = aims, borders, footholds
         self._lanes, self._all = settings.directed * settings.lanes, float(settings.lanes)  # of every round
+        self._effort = settings.effort
 
     def draw(
         self, rng: np.random.Generator, number: int, cache: PositionCache, candidates: Candidates
     ) -> Aim | None:
         """What the directed lanes of round `number` do; None if nothing."""
         self._footholds.note(cache.positions, candidates.grounded)
-        if self.aims.promised_open:
+        if self.aims.wanting(self._effort):
             some, share = self._lanes, OUTWARDS
         else:
             some, share = min(AFTERWARDS * self._lanes, self._all), 1.0 - OUTWARDS

@@ -26,14 +26,23 @@ def run() -> Run:
 
 
 def algorithm_1(run: Run) -> Floats:
-    """S_disc of the paper, state by state: agent after agent at every timestep."""
-    found = np.empty((0, 3))
+    """S_disc of the paper, state by state: agent after agent at every timestep; and again for where one stood."""
+    known: dict[bool, list[Floats]] = {False: [], True: []}  # anywhere, and where one stood
+    found = []
     for state in run.trajectories.reshape(-1, 3):
         if np.isnan(state[0]):
             continue
-        if not len(found) or np.linalg.norm(found - state, axis=1).min() > run.level.explore.threshold_m:
-            found = np.concatenate([found, state[None]])
-    return found
+        kinds = [False, True] if stands(state[None])[0] else [False]
+        new = [kind for kind in kinds if _is_far(state, known[kind], run.level.explore.threshold_m)]
+        for kind in new:
+            known[kind].append(state)
+        if new:
+            found.append(state)
+    return np.array(found)
+
+
+def _is_far(state: Floats, known: list[Floats], threshold_m: float) -> bool:
+    return not known or bool(np.linalg.norm(np.array(known) - state, axis=1).min() > threshold_m)
 
 
 def test_whole_rounds_give_what_single_steps_give(run) -> None:

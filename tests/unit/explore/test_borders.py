@@ -12,7 +12,7 @@ from reachtest.explore.aimed import HEADINGS
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, Borders
 from reachtest.explore.directed.footholds import Footholds
-from reachtest.explore.directed.gaps import RUN_UP_M, Gaps, places_to_push
+from reachtest.explore.directed.gaps import Gaps, places_to_push
 from reachtest.explore.directed.places import NOWHERE, SPACING_M, Places, outermost
 from reachtest.explore.directed.turns import in_turns
 from reachtest.navmesh.islands import Islands
@@ -134,8 +134,8 @@ def test_a_gap_is_what_a_jump_of_the_character_may_cross(gap_m: float, rise_m: f
         bool(along.positions[:, 0].max() > SIDE) is within
     )  # its border is tried too, once somebody stands there
     if within:
-        assert (np.abs(there[:, :2] - SIDE / 2) < SIDE / 2).all()  # on this side, with room to run up
-        assert np.abs(there[:, 0] - (SIDE - RUN_UP_M)).min() < 0.1
+        assert (np.abs(there[:, :2] - SIDE / 2) <= SIDE / 2).all()  # on this side
+        assert np.abs(there[:, 0] - SIDE).min() < 0.1
         assert set(gaps.places.target) == {1}  # one need not leap back
 
 
@@ -157,19 +157,19 @@ def test_it_does_not_matter_how_many_pieces_are_looked_at_at_once(monkeypatch: p
     _, whole = places(*rectangles)
     monkeypatch.setattr("reachtest.explore.directed.gaps.AT_ONCE", 5)
     _, by_fives = places(*rectangles)
-    np.testing.assert_array_equal(by_fives.edges, whole.edges)
+    np.testing.assert_array_equal(by_fives.places.positions, whole.places.positions)
     np.testing.assert_array_equal(by_fives.places.target, whole.places.target)
     np.testing.assert_array_equal(np.concatenate(by_fives.landings), np.concatenate(whole.landings))
 
 
 def test_between_connected_islands_there_is_nothing_to_try() -> None:
     islands = Islands(mesh(SQUARE, (27, 8, 30, 11)))
-    assert not len(places_to_push(islands, np.ones(2, dtype=bool), UNREAL)[1].edges)
+    assert not len(places_to_push(islands, np.ones(2, dtype=bool), UNREAL)[1].places.positions)
 
 
 def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> None:
     table, footholds = watched(SQUARE, (27, 8, 30, 11))
-    near, far = [SIDE - RUN_UP_M, 9.5, 0], [28.5, 9.5, 0]
+    near, far = [SIDE - 2.0, 9.5, 0], [28.5, 9.5, 0]
     along, gaps = places(SQUARE, (27, 8, 30, 11))
     rows = len(along.positions) + np.flatnonzero(gaps.places.island == 0)
 
@@ -197,17 +197,40 @@ def test_a_gap_is_tried_jumping_until_somebody_stands_on_the_other_side() -> Non
 
 def test_a_gap_is_tried_from_a_pillar_too_small_for_a_run_up() -> None:
     """The place to begin lay beyond the pillar: nobody was sent, however many stood there."""
-    pillars = [(x, 0, x + 1.7, 1.2) for x in (0.0, 4.8)]
-    _, gaps = places(*pillars)
-    from_first = np.flatnonzero(gaps.places.island == 0)
-    there = gaps.edges[from_first, 0] > 1.6  # the side that faces the other
-    assert gaps.places.positions[from_first[there], 0].max() < 0.0
+    pillars = [(x, 0, x + 1.7, 1.2) for x in (0.0, 4.8)]  # 2.5 m less a radius around, 2.3 m apart
+    along, gaps = places(*pillars)
+    rows = len(along.positions) + np.flatnonzero(gaps.places.island == 0)
     table = borders(*pillars)
     cache, candidates = cached([[1.69, 0.0, 0], [1.69, 1.2, 0]])
     aims = [table.draw(np.random.default_rng(seed), 16, cache, candidates) for seed in range(3)]
-    rows = len(places(*pillars)[0].positions) + from_first[there]
     sent = np.concatenate([aim.headings[np.isin(aim.targets, rows)] for aim in aims if aim is not None])
     assert (sent > LEAPS_AIMED).any()  # worked out
+    assert (sent <= LEAPS_AIMED).any()  # by chance
+
+
+def test_nobody_leaps_from_the_foot_of_a_tower_that_is_too_high() -> None:
+    towers = (6, 8, 9, 11, 2.5), (12, 8, 15, 11, 2.5)
+    along, gaps = places(SQUARE, *towers)
+    n, between = len(along.positions), np.column_stack([gaps.places.island, gaps.places.target])
+    assert {tuple(pair) for pair in between.tolist()} == {(1, 2), (2, 1)}
+    table = borders(SQUARE, *towers)
+    cache, candidates = everywhere()
+    aim = table.draw(np.random.default_rng(0), 32, cache, candidates)
+    assert aim is not None
+    assert (aim.targets < n).all()
+    cache, candidates = cached([*cache.positions, [8.0, 9.0, 2.5]])  # somebody got up all the same
+    aim = borders(SQUARE, *towers).draw(np.random.default_rng(0), 32, cache, candidates)
+    assert aim is not None
+    leaps = aim.targets[aim.targets >= n] - n
+    assert len(leaps) >= 8
+    assert (gaps.places.island[leaps] == 1).all()
+
+
+def test_the_world_ends_at_the_border_whatever_roofs_stand_beyond() -> None:
+    alone, _ = places(SQUARE)
+    with_roofs, _ = places(SQUARE, *((x, 8, x + 3, 11) for x in (60, 66)))
+    np.testing.assert_array_equal(alone.positions, with_roofs.positions)
+    np.testing.assert_array_equal(alone.headings, with_roofs.headings)
 
 
 def test_who_flies_over_an_island_does_not_stand_on_it() -> None:

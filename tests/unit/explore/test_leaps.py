@@ -70,7 +70,8 @@ def worked_out(where: Level, count: int) -> list[tuple[int, int]]:
     gaps = gaps_of(where)
     leaps = Leaps(gaps, where.character, SETTINGS)
     _, states = standing(where)
-    leaps.note(states[:, :3], states[:, 3:6], np.arange(len(states)))
+    everyone = np.arange(len(states))
+    leaps.note(states[:, :3], states[:, 3:6], everyone, 0 * everyone)
     rng = np.random.default_rng(0)
     here = np.flatnonzero(gaps.places.island == 0)
     drawn = [leaps.draw(rng, int(here[number % len(here)])) for number in range(count)]
@@ -101,8 +102,8 @@ def test_no_leap_is_drawn_twice() -> None:
 
 
 def test_too_far_is_not_tried() -> None:
-    assert not len(gaps_of(two_blocks(7.0)).edges)
-    assert not len(gaps_of(two_blocks(3.0, aside_m=30.0)).edges)
+    assert not len(gaps_of(two_blocks(7.0)).outwards)
+    assert not len(gaps_of(two_blocks(3.0, aside_m=30.0)).outwards)
 
 
 @pytest.mark.parametrize("preset", ["unreal", "unity", "quake3"])
