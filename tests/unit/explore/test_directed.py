@@ -130,6 +130,19 @@ def test_what_lies_deep_in_an_open_part_is_tried_with_it() -> None:
     assert aim.attempts_at_parts().tolist() == [12] * 10 + [12]
 
 
+def test_what_was_tried_for_enough_is_not_wanted_any_more() -> None:
+    """A required point on a roof took three of four directed lanes for good: hardly anybody tried the crates."""
+    aim, goals = aims([[4, 0, 0], [0, -40, 0]], worth=[True, False])
+    cache, candidates = cached([0, 0, 0], [0, -36, 0])
+    assert aim.wanting(16)
+    for seed in range(2):
+        aim.draw(np.random.default_rng(seed), 8, cache, candidates)
+    assert aim.wanting(17)
+    assert not aim.wanting(16)
+    goals.drain(np.array([[4.0, 0, 0]]), np.array([1]))
+    assert not aim.wanting(17)
+
+
 def test_attempts_from_afar_are_void_once_there_is_a_nearer_place() -> None:
     aim, _ = aims([[40, 0, 0]])
     aim.draw(np.random.default_rng(0), 5, *cached([0, 0, 0]))
