@@ -34,7 +34,7 @@ explore: {{steps: 150000}}
 
 
 def beam_and_pillars(folder: Path) -> Path:
-    """High above the ground a platform, a beam of 0.9 m beside its middle, a landing, and four pillars up to the end."""
+    """High above the ground a platform, a beam of 0.9 m beside its middle, a landing, and four pillars to the end."""
     boxes = box("ground", 0, 0, 0, 80, 60) + box("start", -25, 0, HIGH_M, 8, 8)
     boxes += box("beam", -12, 1.3, HIGH_M, 18, 0.9) + box("landing", -1, 0, HIGH_M, 4, 4)
     edge, top = 1.0, HIGH_M
