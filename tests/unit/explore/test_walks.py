@@ -82,6 +82,7 @@ def test_no_walk_is_drawn_twice_and_none_that_leads_elsewhere() -> None:
     while (walk := walks.draw(rng, np.array([6.0, 1.0, 0.0]), np.array([7]), at, at)) is not None:
         drawn.append(walk)
     assert len(set(drawn)) == len(drawn) > 20
+    assert np.iinfo(np.int16).max >= WALKS_AIMED + AIMED_WALKS  # headings are stored so
     assert all(start == 7 and WALKS_AIMED < heading <= WALKS_AIMED + AIMED_WALKS for start, heading in drawn)
     east = [action_stream(0, 0, 0, 32, heading)[4:18, 0] for _, heading in drawn]
     assert all(set(sticks) <= {8, 1, 2, 3} for sticks in east)
