@@ -25,6 +25,7 @@ SHARED = {
     "reachtest.files",
     "reachtest.columns",
     "reachtest.walking",
+    "reachtest.connected",
     "reachtest.geometry",
     "reachtest.offlimits",
     "reachtest.surface",
