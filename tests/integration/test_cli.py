@@ -172,14 +172,20 @@ def test_who_reads_the_first_line_only_does_not_change_the_exit_status(closed_ya
         assert process.wait(60) == 0
 
 
-def test_a_full_disk_is_a_message(closed_yard, tmp_path) -> None:
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_disk_is_a_message(closed_yard, tmp_path, unbuffered: str) -> None:
     full = Path("/dev/full")
     if not full.exists():
         pytest.skip("the system has no /dev/full")
     arguments = ["run", closed_yard, "--out", tmp_path, "--quiet", "--steps", "2000"]
     with full.open("w") as stdout:
         done = subprocess.run(
-            [*COMMAND, *map(str, arguments)], stdout=stdout, stderr=subprocess.PIPE, text=True, timeout=60
+            [*COMMAND, *map(str, arguments)],
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
         )
     assert done.returncode == 2
     assert "No space left" in done.stderr
