@@ -52,9 +52,7 @@ class Borders:
         self._target = np.concatenate([along.target, before.target])  # [R]
         outer = np.where(outermost(along.positions, along.headings), OUTER, INNER)
         self._kind = np.concatenate([outer, np.full(rows - n, GAP)])  # [R]
-        self._start: Ints = np.full(
-            rows, -1, dtype=np.int64
-        )  # [R] cached point; -1: none near yet, or at a gap
+        self._start: Ints = np.full(rows, -1, dtype=np.int64)  # [R] cached point; -1: none near, or a gap
         self._tried: Ints = np.zeros(rows, dtype=np.int64)  # [R] lanes that were sent
         self._pushes = Pushes(along)
         self._seen = 0  # cached points that were looked at

@@ -34,9 +34,8 @@ def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[
     """Along the border of the `connected` islands [I] and of those that jumps may lead to from there; and all gaps."""
     pieces = pieces_of(islands)
     start, end = _leaps(pieces, connected, who)
-    return along(pieces).on(_reached(connected, pieces.island[start], pieces.island[end])), _gaps(
-        pieces, start, end
-    )
+    reached = _reached(connected, pieces.island[start], pieces.island[end])
+    return along(pieces).on(reached), _gaps(pieces, start, end)
 
 
 def jump_carries(who: Character, away: Floats) -> Bools:
