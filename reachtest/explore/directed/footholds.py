@@ -20,9 +20,7 @@ class Footholds:
     def __init__(self, islands: Islands, connected: Bools, goal_island: Ints) -> None:
         """`connected` [I] islands; `goal_island` [G] is the island of each goal, -1 for none."""
         self.stood: Bools = connected.copy()
-        self.island: Ints = np.empty(
-            0, dtype=np.int64
-        )  # [P] that each cached point stands on, NOWHERE for none
+        self.island: Ints = np.empty(0, dtype=np.int64)  # [P] that cached points stand on, NOWHERE for none
         self._goal_island = goal_island
         self._labels = np.append(islands.labels, NOWHERE)  # face -1 is nowhere
         self._faces = FaceIndex(islands.navmesh.triangles, STOOD_WITHIN_M)
@@ -35,6 +33,8 @@ class Footholds:
     def note(self, positions: Floats, grounded: Bools) -> None:
         """Look at the cached points [P, 3] that are new since the last time, where they stand on the ground."""
         seen = len(self.island)
+        if len(positions) == seen:  # both who aims and who pushes ask, in one round
+            return
         new = np.full(len(positions) - seen, NOWHERE)
         rows = np.flatnonzero(grounded[seen:])
         if len(rows) and len(self._labels) > 1:

@@ -16,9 +16,7 @@ from reachtest.navmesh.coverage import GoalIslands
 from reachtest.navmesh.islands import Islands
 from reachtest.records import OUTWARDS, Bools, Candidates, ExploreSettings, Level
 
-AFTERWARDS = (
-    2.0  # times as many lanes once all goals that were promised are reached, or were tried for enough
-)
+AFTERWARDS = 2.0  # times as many lanes once all promised goals are reached, or were tried for enough
 
 
 class Directed:
