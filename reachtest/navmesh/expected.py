@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reachtest.navmesh.islands import CLIMB_M
+from reachtest.navmesh.islands import climb_of
 from reachtest.records import Bools, Character, Floats, NavMesh
 from reachtest.surface import SurfaceIndex
 
@@ -79,6 +79,7 @@ def _tolerances(navmesh: NavMesh, character: Character) -> Floats:
     It holds the box of erosion and float (hence the root of two): one may be at a wall on a stair.
     """
     radius = max(navmesh.agent.radius_m or 0.0, character.radius_m)
-    climb = CLIMB_M if navmesh.agent.climb_m is None else max(navmesh.agent.climb_m, character.step_height_m)
+    given = navmesh.agent.climb_m is not None
+    climb = max(climb_of(navmesh), character.step_height_m) if given else climb_of(navmesh)
     aside = radius * (1 + _CELL_PER_RADIUS)
     return np.sqrt(2.0) * np.array([aside, aside, climb])

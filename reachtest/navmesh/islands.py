@@ -13,22 +13,31 @@ from reachtest.navmesh.faces import FaceIndex
 from reachtest.records import Bools, Floats, Ints, NavMesh
 
 CLIMB_M = 0.6  # where the file does not say: above every preset's step, below the head room of any storey
+LEAST_CLIMB_M = (
+    0.25  # Godot's default: the borders of slopes and the float over floors are no more exact than cells
+)
 SPAWN_DOWN_M = 3.0  # a spawn may hang in the air
 SPAWN_REACH_M = 1.0  # or stand where erosion took the surface away
 LINK_REACH_M = 1.0  # link ends are snapped to polygons within their radius, or lie at the edge of one
+
+
+def climb_of(navmesh: NavMesh) -> float:
+    """By how much borders that belong together may differ in height [m], and a surface and its floor."""
+    climb = navmesh.agent.climb_m
+    return CLIMB_M if climb is None else max(climb, LEAST_CLIMB_M)
 
 
 def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:
     """The island [F] of every face, numbered from 0 in the order of their first faces.
 
     Faces are of one island if they share an edge, or if their borders lie against each other: within 0.1 m
-    horizontally and the agent's climb (`climb_m`, else the file's, else 0.6 m) vertically. Links do not merge
+    horizontally and the agent's climb (`climb_m`, else that of `climb_of`) vertically. Links do not merge
     islands: see `Islands.connected_to`.
     """
     faces = len(navmesh.faces)
     if not faces:
         return np.empty(0, dtype=np.int64)
-    climb = next((c for c in (climb_m, navmesh.agent.climb_m) if c is not None), CLIMB_M)
+    climb = climb_of(navmesh) if climb_m is None else climb_m
     label = part_labels(faces, neighbours(navmesh, climb))
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank = np.empty(len(first), dtype=np.int64)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.columns import ColumnIndex
-from reachtest.navmesh.islands import CLIMB_M
+from reachtest.navmesh.islands import CLIMB_M, climb_of
 from reachtest.navmesh.raster import Samples, rasterise
 from reachtest.navmesh.room import Room, Standing
 from reachtest.records import Bools, Character, Floats, Ints, NavAgent, NavMesh
@@ -48,9 +48,7 @@ class Promises:
 def check_promises(navmesh: NavMesh, labels: Ints, collision: Floats, character: Character) -> Promises:
     """Stand the character everywhere on the nav-mesh with islands `labels` [F], in `collision` [.., 3, 3]."""
     samples, room = rasterise(navmesh), Room(collision, character)
-    climb = navmesh.agent.climb_m
-    if climb is None:
-        climb = shown_climb(room, samples)
+    climb = shown_climb(room, samples) if navmesh.agent.climb_m is None else climb_of(navmesh)
     pairs = _within_islands(samples, climb, labels)
     here = room.standing(samples.positions, climb)
     # Inside of a crate or a wall that stands in the way the nav-mesh is wrong, but not about the character.
@@ -60,13 +58,19 @@ def check_promises(navmesh: NavMesh, labels: Ints, collision: Floats, character:
     reason = np.zeros(len(samples.positions), dtype=np.int64)
     value = np.full(len(samples.positions), np.nan)
     reason[suspects], value[suspects] = _reasons(here, suspects, widest, character, room.limit_deg)
-    step_m, surface = character.step_height_m, ColumnIndex(navmesh.triangles)
+    step_m, surface = highest_step(character), ColumnIndex(navmesh.triangles)
     steps = _steps(room, samples, here, pairs, climb, step_m, surface)
     cut_m = max(navmesh.agent.climb_m or 0.0, CLIMB_M)
     cuts = _steps(room, samples, here, _island_pairs(samples, labels), cut_m, step_m)
     feet = samples.positions.copy()
     feet[:, 2] = np.where(np.isfinite(here.floor), here.floor, feet[:, 2])
     return Promises(samples, feet, pairs, reason, value, *steps, *cuts)
+
+
+def highest_step(character: Character) -> float:
+    """What the character walks up [m]: its step, or what its round bottom meets as a slope that it may walk."""
+    steepest = np.radians(character.slope_limit_deg)
+    return max(character.step_height_m, character.radius_m * (1.0 - float(np.cos(steepest))))
 
 
 def shown_climb(room: Room, samples: Samples) -> float:

@@ -30,10 +30,17 @@ class BuildSettings:
     @property
     def agent(self) -> VoxelAgent:
         """The same in cells, rounded as rcConfig asks: height and radius up, climb down."""
+        rise_m = self.cell_m * float(np.tan(np.radians(self.slope_deg)))
+        # Over two cells, stairs no steeper than the slope limit have one step more than a slope would rise.
+        stairs_m = 2 * rise_m + min(2 * rise_m, self.climb_m)
+        spread_m = max(self.climb_m, stairs_m)
         return VoxelAgent(
             height=int(np.ceil(self.height_m / self.cell_height_m - WHOLE)),
             climb=int(np.floor(self.climb_m / self.cell_height_m + WHOLE)),
             radius=int(np.ceil(self.radius_m / self.cell_m - WHOLE)),
+            rise=int(np.ceil(rise_m / self.cell_height_m - WHOLE)),
+            spread=int(np.ceil(spread_m / self.cell_height_m - WHOLE)),
+            even_m=rise_m / 2 * (1 + WHOLE),  # a slope that ends in a cell is drawn on to its end
         )
 
 

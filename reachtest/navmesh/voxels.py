@@ -37,6 +37,7 @@ class Spans:
     bottom: Ints  # [N] [cell heights]
     top: Ints  # [N] [cell heights]
     floor: Floats  # [N] height of the surface at the column's centre, as far as it lies in the column [m]
+    rate: Floats  # [N, 2] how that surface rises along i and j [m a cell]
     walkable: Bools  # [N] whether the top is less steep than the slope limit
 
     def __len__(self) -> int:
@@ -55,10 +56,12 @@ def rasterise(triangles: Floats, slope_deg: float, climb: int, grid: Grid, both_
     walkable = (upwards > np.cos(np.radians(slope_deg))) & (areas > 0)
     cells = (triangles - grid.low) / [grid.cell_m, grid.cell_m, 1.0]
     tri, i, j, inside = _columns(cells, grid.shape)
-    low, high, middle, sure = _heights(cells, tri, i, j, inside)
+    rate, steep = _rates(cells)
+    low, high, middle, sure = _heights(cells, rate, steep, tri, i, j, inside)
     bottom = np.floor(low / grid.cell_height_m + TOUCH).astype(np.int64)
     top = np.maximum(np.ceil(high / grid.cell_height_m - TOUCH).astype(np.int64), bottom + 1)
-    return _merge(i * grid.shape[1] + j, bottom, top, middle + grid.low[2], sure, walkable[tri], climb)
+    middle = middle + grid.low[2]
+    return _merge(i * grid.shape[1] + j, bottom, top, middle, rate[tri], sure, walkable[tri], climb)
 
 
 def _columns(cells: Floats, shape: tuple[int, int]) -> tuple[Ints, Ints, Ints, Bools]:
@@ -82,19 +85,25 @@ def _whole(low: Floats, high: Floats, count: int) -> tuple[Ints, Ints]:
     return first.astype(np.int64), np.where(low <= high, last, -1).astype(np.int64)
 
 
+def _rates(cells: Floats) -> tuple[Floats, Bools]:
+    """How each triangle rises along i and j [F, 2] [m a cell], and whether it is too steep to tell [F]."""
+    normal = np.cross(cells[:, 1] - cells[:, 0], cells[:, 2] - cells[:, 0])
+    steep: Bools = np.asarray(
+        np.abs(normal[:, 2]) <= STEEPEST * np.linalg.norm(normal, axis=1), dtype=np.bool_
+    )
+    return np.where(steep[:, None], 0.0, -normal[:, :2] / np.where(steep, 1.0, normal[:, 2])[:, None]), steep
+
+
 def _heights(
-    cells: Floats, tri: Ints, i: Ints, j: Ints, inside: Bools
+    cells: Floats, rate: Floats, steep: Bools, tri: Ints, i: Ints, j: Ints, inside: Bools
 ) -> tuple[Floats, Floats, Floats, Bools]:
     """Lowest and highest point of each triangle in its column, its height nearest to the centre [P] [m over low],
     and whether it lies over the centre itself [P]."""
-    normal = np.cross(cells[:, 1] - cells[:, 0], cells[:, 2] - cells[:, 0])
-    steep = np.abs(normal[:, 2]) <= STEEPEST * np.linalg.norm(normal, axis=1)
-    rate = np.where(steep[:, None], 0.0, -normal[:, :2] / np.where(steep, 1.0, normal[:, 2])[:, None])
     origin = cells[:, 0, 2] - np.einsum("fi,fi->f", rate, cells[:, 0, :2])
     half = np.abs(rate).sum(axis=1) / 2
     middle = origin[tri] + rate[tri, 0] * (i + 0.5) + rate[tri, 1] * (j + 0.5)
     low, high = middle - half[tri], middle + half[tri]
-    cut = np.flatnonzero(~inside & ((half > 0) | steep)[tri])
+    cut = np.flatnonzero(~inside)
     some = tri[cut]
     sure = ~steep[tri]
     low[cut], high[cut], sure[cut] = cut_heights(
@@ -107,26 +116,32 @@ def _heights(
 
 
 def _merge(
-    column: Ints, bottom: Ints, top: Ints, floor: Floats, sure: Bools, walkable: Bools, climb: int
+    column: Ints,
+    bottom: Ints,
+    top: Ints,
+    floor: Floats,
+    rate: Floats,
+    sure: Bools,
+    walkable: Bools,
+    climb: int,
 ) -> Spans:
     """One span for every heap of spans that overlap or touch."""
     if not len(column):
         none = np.zeros(0, dtype=np.int64)
-        return Spans(none, none, none, np.zeros(0), np.zeros(0, dtype=np.bool_))
+        return Spans(none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(0, dtype=np.bool_))
     lowest = int(bottom.min())  # keys are of positive numbers
     order = np.argsort((column << TOP_BITS) + bottom - lowest, kind="stable")
     column, bottom, top = column[order], bottom[order], top[order]
-    floor, sure, walkable = floor[order], sure[order], walkable[order]
+    floor, rate, sure, walkable = floor[order], rate[order], sure[order], walkable[order]
     key = (column << TOP_BITS) + top - lowest
     highest = np.maximum.accumulate(key)  # of later columns always higher
     new = np.ones(len(column), dtype=np.bool_)
     new[1:] = ((column[1:] << TOP_BITS) + bottom[1:] - lowest) > highest[:-1]
-    start = np.flatnonzero(new)
+    start, heap = np.flatnonzero(new), np.cumsum(new) - 1
     merged = np.maximum.reduceat(top, start)
-    near_top = walkable & (top >= merged[np.cumsum(new) - 1] - climb)
+    near_top = walkable & (top >= merged[heap] - climb)
+    # The highest of those over the centre; else of those that are walkable; else of all.
+    rank = near_top.astype(np.int64) + (near_top & sure)
+    best = np.lexsort((floor, rank, heap))[np.append(start[1:], len(heap)) - 1]
     walked = np.logical_or.reduceat(near_top, start)
-    ground = np.maximum.reduceat(np.where(near_top, floor, -np.inf), start)
-    over_centre = np.maximum.reduceat(np.where(near_top & sure, floor, -np.inf), start)
-    ground = np.where(np.isfinite(over_centre), over_centre, ground)
-    any_floor = np.maximum.reduceat(floor, start)
-    return Spans(column[start], bottom[start], merged, np.where(walked, ground, any_floor), walked)
+    return Spans(column[start], bottom[start], merged, floor[best], rate[best], walked)

@@ -20,11 +20,18 @@ STRAIGHT, DIAGONAL = 2, 3  # lengths of a chamfer distance, in half cells: rcEro
 
 @dataclass(frozen=True)
 class VoxelAgent:
-    """The character in cells, as rcConfig has it: walkableHeight, walkableClimb, walkableRadius."""
+    """The character in cells, as rcConfig has it: walkableHeight, walkableClimb, walkableRadius.
+
+    Recast tells slopes from steps by the climb alone, and so wants one that is higher than what a slope rises over a
+    cell or two. Where it is not, the slopes of the surfaces tell.
+    """
 
     height: int
     climb: int
     radius: int
+    rise: int  # what the steepest slope rises from one cell to the next
+    spread: int  # by what the floors around one may differ: the climb in Recast, which may be too little on stairs
+    even_m: float  # surfaces whose heights differ by less where two cells meet are one, if they slope
 
 
 @dataclass(frozen=True)
@@ -69,7 +76,7 @@ def low_obstacles(spans: Spans, agent: VoxelAgent) -> Bools:
 
 def ledges(spans: Spans, above: Ints, walkable: Bools, shape: tuple[int, int], agent: VoxelAgent) -> Bools:
     """Spans [N] beside a drop of more than the climb, or on ground that is steeper than it looks: the floors
-    around, as far as they can be stepped on, differ by more than the climb (rcFilterLedgeSpans)."""
+    around, as far as they can be stepped on, differ by more than the spread (rcFilterLedgeSpans)."""
     here = np.flatnonzero(walkable)
     columns = _Columns(spans.column, spans.top, shape)
     bottom = np.append(spans.bottom, OPEN)
@@ -80,7 +87,8 @@ def ledges(spans: Spans, above: Ints, walkable: Bools, shape: tuple[int, int], a
         place, stop, inside = columns.beside(spans.column[here], floor - agent.climb, direction)
         # Below the first span that is not too low lies a drop; does the agent fit through above it?
         gap = np.where(place < stop, bottom[place], OPEN)
-        ledge |= ~inside | (np.minimum(head, gap) - floor >= agent.height)
+        drop = ~inside | (np.minimum(head, gap) - floor >= agent.height)
+        ledge |= drop & ~_slopes_down(spans, here, columns, direction, agent)
         for who, at in columns.up_to(place, stop, floor + agent.climb):
             there = spans.top[at]
             fits = np.minimum(head[who], above[at]) - np.maximum(floor[who], there) >= agent.height
@@ -88,8 +96,29 @@ def ledges(spans: Spans, above: Ints, walkable: Bools, shape: tuple[int, int], a
             lowest[who] = np.minimum(lowest[who], there)
             highest[who] = np.maximum(highest[who], there)
     result = np.zeros(len(spans), dtype=np.bool_)
-    result[here] = ledge | (highest - lowest > agent.climb)
+    result[here] = ledge | (highest - lowest > agent.spread)
     return result
+
+
+def _slopes_down(
+    spans: Spans, here: Ints, columns: _Columns, direction: tuple[int, int], agent: VoxelAgent
+) -> Bools:
+    """Which spans `here` [n] go on in `direction` as a slope that falls by more than the climb from cell to cell."""
+    result = np.zeros(len(here), dtype=np.bool_)
+    if agent.rise > agent.climb:
+        floor = spans.top[here]
+        place, stop, _ = columns.beside(spans.column[here], floor - agent.rise, direction)
+        for who, at in columns.up_to(place, stop, floor - agent.climb):
+            result[who] |= spans.walkable[at] & _even(spans, here[who], at, direction, agent)
+    return result
+
+
+def _even(spans: Spans, here: Ints, there: Ints, direction: tuple[int, int], agent: VoxelAgent) -> Bools:
+    """Whether the surfaces of spans `here` and `there` [n], which lies in `direction`, meet where their columns do."""
+    axis, sign = (0, direction[0]) if direction[0] else (1, direction[1])
+    near = spans.floor[here] + sign * spans.rate[here, axis] / 2
+    far = spans.floor[there] - sign * spans.rate[there, axis] / 2
+    return np.asarray(np.abs(near - far) <= agent.even_m, dtype=np.bool_)
 
 
 class _Columns:
@@ -136,10 +165,15 @@ def _connected(
     column, floor, head = spans.column[span], spans.top[span], above[span]
     columns = _Columns(column, floor, shape)
     neighbour = np.full((4, len(span)), -1, dtype=np.int64)
+    reach = max(agent.climb, agent.rise)
     for direction, offset in enumerate(DIRECTIONS):
-        place, stop, _ = columns.beside(column, floor - agent.climb, offset)
-        for who, at in columns.up_to(place, stop, floor + agent.climb):
+        place, stop, _ = columns.beside(column, floor - reach, offset)
+        for who, at in columns.up_to(place, stop, floor + reach):
             free = np.minimum(head[who], head[at]) - np.maximum(floor[who], floor[at]) >= agent.height
+            if reach > agent.climb:
+                free &= (np.abs(floor[who] - floor[at]) <= agent.climb) | _even(
+                    spans, span[who], span[at], offset, agent
+                )
             free &= neighbour[direction, who] < 0  # the lowest, where there are two
             neighbour[direction, who[free]] = at[free]
     for direction in range(2):  # both see each other, or neither

@@ -11,7 +11,7 @@ import numpy as np
 
 from reachtest.explore.actions import heading_of
 from reachtest.navmesh.edges import border
-from reachtest.navmesh.islands import CLIMB_M, Islands
+from reachtest.navmesh.islands import Islands, climb_of
 from reachtest.records import Bools, Floats, Ints
 
 SPACING_M = 2.0  # between places: who pushes at one comes by both sides of it
@@ -47,8 +47,7 @@ class Pieces:
 def pieces_of(islands: Islands) -> Pieces:
     """The border of the nav-mesh."""
     navmesh = islands.navmesh
-    climb = CLIMB_M if navmesh.agent.climb_m is None else navmesh.agent.climb_m
-    middles, outwards, face = border(navmesh, PIECE_M, climb)
+    middles, outwards, face = border(navmesh, PIECE_M, climb_of(navmesh))
     return Pieces(middles, outwards, islands.labels[face])
 
 

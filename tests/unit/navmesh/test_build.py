@@ -205,3 +205,25 @@ def test_every_vertex_lies_near_a_floor_the_same_every_time(boxes: list[tuple[fl
     again = built(*pieces)
     assert np.array_equal(again.vertices, navmesh.vertices)
     assert np.array_equal(again.faces, navmesh.faces)
+
+
+@pytest.mark.parametrize("who", ["unreal", "unity", "godot", "quake3"])
+@pytest.mark.parametrize("degrees", [10.0, 30.0, 43.0])
+@pytest.mark.parametrize("turned", [0.0, 30.0])
+def test_a_ramp_joins_two_storeys_for_every_character(who: str, degrees: float, turned: float) -> None:
+    """Also where a slope rises more from cell to cell than the character steps: Godot's does not step at all."""
+    run, rise = 3.0 * np.cos(np.radians(degrees)), 3.0 * np.sin(np.radians(degrees))
+    ramp = np.array([[0, -4, 0], [run, -4, rise], [run, 4, rise], [0, 4, 0]])[[[0, 1, 2], [0, 2, 3]]]
+    pieces = np.concatenate([box([-6, -4, -1], [0, 4, 0]), ramp, box([run, -4, -1], [run + 6, 4, rise])])
+    c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    navmesh = build_navmesh(pieces @ turn.T, settings_for(PRESETS[who]))
+    assert covers(navmesh, [-3, 0, 0] @ turn.T, [run / 2, 0, rise / 2] @ turn.T, [run + 3, 0, rise] @ turn.T)
+    assert islands(navmesh).max() == 0
+
+
+@pytest.mark.parametrize(("who", "joined"), [("unity", True), ("godot", False)])
+def test_a_kerb_is_no_slope(who: str, joined: bool) -> None:
+    """0.28 m: Unity's character steps up 0.3 m, Godot's jumps."""
+    pieces = np.concatenate([GROUND, box([0, -6, -1], [6, 6, 0.28])])
+    assert (islands(build_navmesh(pieces, settings_for(PRESETS[who]))).max() == 0) == joined
