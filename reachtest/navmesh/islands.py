@@ -16,6 +16,7 @@ CLIMB_M = 0.6  # where the file does not say: above every preset's step, below t
 LEAST_CLIMB_M = (
     0.25  # Godot's default: the borders of slopes and the float over floors are no more exact than cells
 )
+ROUNDING_M = 0.02  # a step of just the climb is one that is climbed
 SPAWN_DOWN_M = 3.0  # a spawn may hang in the air
 SPAWN_REACH_M = 1.0  # or stand where erosion took the surface away
 LINK_REACH_M = 1.0  # link ends are snapped to polygons within their radius, or lie at the edge of one
@@ -24,7 +25,7 @@ LINK_REACH_M = 1.0  # link ends are snapped to polygons within their radius, or 
 def climb_of(navmesh: NavMesh) -> float:
     """By how much borders that belong together may differ in height [m], and a surface and its floor."""
     climb = navmesh.agent.climb_m
-    return CLIMB_M if climb is None else max(climb, LEAST_CLIMB_M)
+    return CLIMB_M if climb is None else max(climb, LEAST_CLIMB_M) + ROUNDING_M
 
 
 def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:

@@ -14,7 +14,7 @@ from reachtest.levels import PRESETS
 from reachtest.navmesh import build as build_module
 from reachtest.navmesh.build import build_navmesh, turned_over
 from reachtest.navmesh.contour import END_TOLERANCE
-from reachtest.navmesh.islands import islands
+from reachtest.navmesh.islands import Islands, islands
 from reachtest.navmesh.settings import settings_for
 from reachtest.records import Floats, NavMesh
 from reachtest.surface import SurfaceIndex
@@ -227,3 +227,20 @@ def test_a_kerb_is_no_slope(who: str, joined: bool) -> None:
     """0.28 m: Unity's character steps up 0.3 m, Godot's jumps."""
     pieces = np.concatenate([GROUND, box([0, -6, -1], [6, 6, 0.28])])
     assert (islands(build_navmesh(pieces, settings_for(PRESETS[who]))).max() == 0) == joined
+
+
+@pytest.mark.parametrize("who", ["unreal", "unity", "quake3"])
+@pytest.mark.parametrize("turned", [0.0, 33.0])
+def test_stairs_of_the_highest_step_lead_up(who: str, turned: float) -> None:
+    """As steep as a slope may be, and as coarse as cells are."""
+    step = PRESETS[who].step_height_m
+    treads = [box([step * 1.1 * k, -4, -1], [step * 1.1 * (k + 1), 4, step * (k + 1)]) for k in range(5)]
+    upper = box([step * 5.5, -4, -1], [step * 5.5 + 5, 4, step * 5])
+    c, s = np.cos(np.radians(turned)), np.sin(np.radians(turned))
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    pieces = np.concatenate([box([-6, -4, -1], [0, 4, 0]), *treads, upper]) @ turn.T + [103.7, -51.3, 0.0137]
+    navmesh = build_navmesh(pieces, settings_for(PRESETS[who]))
+    ends = np.array([[-3, 0, 0], [step * 5.5 + 2, 0, step * 5]]) @ turn.T + [103.7, -51.3, 0.0137]
+    assert covers(navmesh, *ends.tolist())
+    on = Islands(navmesh).of(ends)
+    assert on[0] == on[1] >= 0
