@@ -98,7 +98,7 @@ class Confirmer:
         """The finding by another part of its edge, where half the step shows it there and not where it was shown."""
         way, exact, half, nearby = confirmed
         path_to = self._path_to
-        if path_to is None or shows(finding.kind, half):
+        if path_to is None or shows(half):
             return finding, confirmed
         for fall in finding.others:
             exit_point = None if np.isnan(fall.exit_point).any() else fall.exit_point
@@ -107,7 +107,7 @@ class Confirmer:
             )
             if found := self._way(other):
                 ((again, came_out, more, around),) = self._confirmed([found], affordable([found]), count)
-                if shows(other.kind, more):
+                if shows(more):
                     return other, (again, came_out, more, around)
                 half = half[0] + more[0], half[1] + more[1]
         return finding, (way, exact, half, nearby)
@@ -117,7 +117,7 @@ class Confirmer:
         path = finding.path
         assert path is not None
         tries = (path.attempts + 1, path.succeeded + exact)
-        fragile = not shows(finding.kind, half) or tries[1] < tries[0]
+        fragile = not shows(half) or tries[1] < tries[0]
         return dataclasses.replace(
             finding,
             path=_shown(path, way.trial, self._simulator.step_s),

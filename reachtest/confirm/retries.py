@@ -24,9 +24,7 @@ EARLIER_STEPS = (4, 16)
 SEARCHES, ALL_SEARCHES = 5, 20  # of a finding, and of those tried together: about 3 s each
 SEARCH_SHARE = 0.25  # of the run's steps at most are searches, or LEAST_SEARCHED; what gates comes first
 LEAST_SEARCHED = 4 * MOST_STEPS  # a minute
-# Of the attempts around one way at half the step: less is the half step's own rounding, where the search found it, and
-# for an area a lucky climb, which this night found and the next ones will not.
-AGAIN = 0.1
+AGAIN = 0.1  # of the attempts around what the search found: less is the half step's own rounding
 RARELY = 1 / 200  # of the attempts: what half the step shows no oftener it does not show
 LEAD_STEPS = 8  # about a second before the outcome at the least, or there is nothing to vary
 AROUND_M = 40.0  # of the level around what is simulated at half the step: its tiles are compiled anew
@@ -35,13 +33,9 @@ FINE_LANES = 64
 Tries = tuple[int, int]  # attempts, and how many of them showed it
 
 
-def shows(kind: str, tries: Tries) -> bool:
-    """Whether attempts and successes at half the step say that a finding of this kind is no doing of the coarse one.
-
-    One fall shows a hole, but who gets to an area by one attempt in thirty got lucky.
-    """
-    attempts, succeeded = tries
-    return _often(tries) if kind == "unexpected_area" else succeeded > RARELY * attempts
+def shows(tries: Tries) -> bool:
+    """Whether attempts and successes at half the step say that it is no doing of the coarse one."""
+    return tries[1] > RARELY * tries[0]
 
 
 class Retries:
@@ -79,24 +73,24 @@ class Retries:
             way if good else found[row] for row, (way, (_, good)) in enumerate(zip(cut, tries, strict=True))
         ]
         for earlier_by in (*EARLIER_STEPS, None):
-            missing = _missing(found, tries)
+            missing = _missing(tries)
             earlier = [self._earlier(loose[row], earlier_by) for row in missing]
             more = self._attempt(finer, earlier, count, as_found=True)
-            for row, some in zip(missing, more, strict=True):
-                tries[row] = some if _often(some) else _sum(tries[row], some)
-        rows = _missing(found, tries)
-        searches = int(np.clip(ALL_SEARCHES // max(len(rows), 1), 1, SEARCHES))
-        rows = [row for row in rows if loose[row].outcome.standing is None]
+            for row, (attempts, succeeded) in zip(missing, more, strict=True):
+                tries[row] = (tries[row][0] + attempts, succeeded)
+        searches = int(np.clip(ALL_SEARCHES // max(len(_missing(tries)), 1), 1, SEARCHES))
+        rows = [row for row in _missing(tries) if loose[row].outcome.standing is None]
         for number, row in enumerate(rows):
             way = self._earlier(loose[row], EARLIER_STEPS[-1])
             share = max(self._steps_left, 0) // (len(rows) - number)
             attempts, trial = search_along(way, finer, self._judge, self._rng, searches, share, self._pause)
             self._steps_left -= attempts * len(way.trial)
-            tries[row] = _sum(tries[row], (attempts, int(trial is not None)))
+            tries[row] = (tries[row][0] + attempts, int(trial is not None))
             if trial is not None:
                 it = self._stretch(dataclasses.replace(way, trial=trial))
                 (around,) = self._attempt(finer, [it], count, as_found=True)
-                tries[row] = around if _often(around) else _sum(tries[row], around)
+                rare = (tries[row][0] + around[0], 1 + around[1])
+                tries[row] = around if around[1] >= AGAIN * around[0] else rare
         return tries, shown
 
     def _stretch(self, way: Way, lead: int = LEAD_STEPS) -> Way:
@@ -142,21 +136,8 @@ def _of_same_bug(ways: Sequence[Way]) -> list[Way]:
     return [dataclasses.replace(way, outcome=way.outcome.of_same_bug()) for way in ways]
 
 
-def _missing(ways: Sequence[Way], tries: Sequence[Tries]) -> list[int]:
-    """The rows of `tries` that do not show what their way of `ways` came to."""
-    return [
-        row
-        for row, (way, some) in enumerate(zip(ways, tries, strict=True))
-        if not shows(way.outcome.kind, some)
-    ]
-
-
-def _often(tries: Tries) -> bool:
-    return tries[1] >= AGAIN * tries[0]
-
-
-def _sum(tries: Tries, more: Tries) -> Tries:
-    return tries[0] + more[0], tries[1] + more[1]
+def _missing(tries: Sequence[Tries]) -> list[int]:
+    return [row for row, (_, succeeded) in enumerate(tries) if not succeeded]
 
 
 def _at_half_step(level: Level) -> Level:

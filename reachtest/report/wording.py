@@ -103,10 +103,10 @@ def why_fragile(finding: Finding) -> str:
     confirmation = finding.confirmation
     if confirmation is None or confirmation.exact[0] > confirmation.exact[1]:
         return "did not come out bit for bit when it was simulated again: please report that"
-    attempts, succeeded = confirmation.half_step
-    how = "by luck, or at the coarse time step only" if succeeded else "only at the coarse time step"
-    nearby = f"{confirmation.nearby[1]} of {confirmation.nearby[0]} with other actions"
-    return f"{how}: {succeeded} of {attempts} at half of it, {nearby}"
+    return (
+        f"only at the coarse time step: {confirmation.half_step[1]} of {confirmation.half_step[0]} at half of it,"
+        f" {confirmation.nearby[1]} of {confirmation.nearby[0]} with other actions"
+    )
 
 
 def why_not_gating(finding: Finding, level: Level) -> str:
