@@ -1,7 +1,8 @@
 """The position cache S_disc of the paper: exact insertion in order of discovery, a batch at a time.
 
 What somebody stood at is discovered apart from what was flown through: jumps over a crate pass within K of all of its
-top, so that nobody would ever go on from there.
+top, so that nobody would ever go on from there. So is what one stood at where nobody is expected: who was on the
+expected half of a ledge first would hide the other, and whether a run told of it were a matter of luck.
 
 Shape legend: n positions of a batch, P cached points.
 """
@@ -19,10 +20,11 @@ _NEARER = 1.0 - 1e-6
 
 
 class PositionCache:
-    """Points pairwise more than `threshold_m` apart, and those that were stood at and are so far from others such."""
+    """Points pairwise more than `threshold_m` apart, and those that were stood at, or stood at and unexpected, and are
+    so far from others such."""
 
     def __init__(self, threshold_m: float) -> None:
-        self._anywhere, self._stood_at = Spaced(threshold_m), Spaced(threshold_m)
+        self._anywhere, self._stood_at, self._astray = (Spaced(threshold_m) for _ in range(3))
         self._positions, self._count = np.empty((1024, 3)), 0
 
     def __len__(self) -> int:
@@ -33,17 +35,18 @@ class PositionCache:
         """[P, 3] in order of discovery."""
         return self._positions[: self._count]
 
-    def insert(self, positions: Floats, stands: Bools | None = None) -> Ints:
-        """Offer `positions` [n, 3] one after the other, of which one `stands` [n] at some; the indices of those that
-        were inserted.
+    def insert(self, positions: Floats, stands: Bools | None = None, astray: Bools | None = None) -> Ints:
+        """Offer `positions` [n, 3] one after the other, of which one `stands` [n] at some, and there is `astray` [n]
+        at some of these; the indices of those that were inserted.
 
         A position is inserted if d(S_disc, s) > K at its turn, or if one stands there and that is so of the positions
-        one stood at.
+        one stood at, or astray and of the positions one was astray at.
         """
         new = self._anywhere.insert(positions)
-        if stands is not None:
-            rows = np.flatnonzero(stands)
-            new = np.union1d(new, rows[self._stood_at.insert(positions[rows])])
+        for some, apart in ((stands, self._stood_at), (astray, self._astray)):
+            if some is not None:
+                rows = np.flatnonzero(some)
+                new = np.union1d(new, rows[apart.insert(positions[rows])])
         begin, self._count = self._count, self._count + len(new)
         while self._count > len(self._positions):
             self._positions = np.concatenate([self._positions, np.empty_like(self._positions)])

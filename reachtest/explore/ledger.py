@@ -11,6 +11,7 @@ import numpy as np
 
 from reachtest.columns import ColumnIndex
 from reachtest.explore.archive import Archive
+from reachtest.explore.astray import Astray
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet, sample_goals
 from reachtest.explore.retrace import Retrace
@@ -37,7 +38,7 @@ class Ledger:
         s = level.explore
         self._settings, self._surface, self._spawns = s, surface, spawns
         self._spawn_positions = np.array([spawn.position for spawn in level.spawns])
-        self.cache = PositionCache(s.threshold_m)
+        self.cache, self._astray = PositionCache(s.threshold_m), Astray(surface, s.expected_within_m)
         self.columns = ColumnIndex(level.collision)
         self.archive = Archive(self.cache, spawns.shape[1], s.lanes, s.reset_interval)
         self.visits = VisitCounts(s.threshold_m)
@@ -87,8 +88,11 @@ class Ledger:
         footings = of_parents(parents, self.archive.footings_of, self._spawn_positions)
         stays = Stays(footings, np.zeros(parents.shape, dtype=np.bool_))
         self.transitions.add(rolled, stays, parents, self.rounds, self.archive.stood_at(parents))
+        stands = rolled.grounded.ravel()[valid]
+        astray = stands.copy()
+        astray[stands] = self._astray(flat[stands])
         began = time.monotonic()
-        order = valid[self.cache.insert(flat, rolled.grounded.ravel()[valid])]
+        order = valid[self.cache.insert(flat, stands, astray)]
         self.cache_s += time.monotonic() - began
         new = np.stack(np.unravel_index(order, (steps, agents)), axis=1)
         trails = Trails(rolled, parents, self._surface, self._spawn_positions)

@@ -12,9 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from reachtest.explore.astray import Astray
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.visits import VisitCounts
+from reachtest.navmesh.allowed import AllowedZones
+from reachtest.records import Zone
+from reachtest.surface import SurfaceIndex
 
 Points = NDArray[np.float64]
 
@@ -82,6 +86,44 @@ def test_cached_points_are_more_than_the_threshold_apart_and_cover_the_rest(poin
     np.fill_diagonal(away, np.inf)
     assert (away > threshold).all()
     assert distances(points, cache.positions).min(axis=1).max() <= threshold
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.data(), clouds(), thresholds)
+def test_what_was_stood_at_and_what_was_stood_at_astray_is_discovered_apart(data, points, threshold) -> None:
+    rng = np.random.default_rng(data.draw(seeds))
+    stands = rng.random(len(points)) < 0.5
+    astray = stands & (rng.random(len(points)) < 0.3)
+    cache, inserted, offset = PositionCache(threshold), [], 0
+    for batch in data.draw(splits(points)):
+        rows = slice(offset, offset + len(batch))
+        inserted += (cache.insert(batch, stands[rows], astray[rows]) + offset).tolist()
+        offset += len(batch)
+    everyone = np.arange(len(points))
+    kept = [
+        some[filtered(points[some], threshold)] for some in (everyone, everyone[stands], everyone[astray])
+    ]
+    assert inserted == np.unique(np.concatenate(kept)).tolist()
+    np.testing.assert_array_equal(cache.positions, points[inserted])
+
+
+@settings(max_examples=100, deadline=None)
+@given(clouds(), st.sampled_from([0.5, 1.0, 3.0, 6.0]), st.booleans(), seeds)
+def test_who_is_astray_is_who_is_farther_from_the_nav_mesh_and_in_no_zone(
+    points, within, zoned, seed
+) -> None:
+    rng = np.random.default_rng(seed)
+    middle = points.mean(axis=0) if len(points) else np.zeros(3)
+    corners = middle + rng.uniform(-3, 3, (4, 3, 3)) * [1, 1, 0.1]
+    zones = (
+        [Zone("roof", "allowed_off_mesh", middle + [0.3, 0.1, -2.0], middle + [4.0, 2.7, 2.0])]
+        if zoned
+        else []
+    )
+    surface = AllowedZones(SurfaceIndex(corners, within), zones)
+    astray = Astray(surface, within)
+    for some in np.array_split(points, 3):  # what was measured in one is known in the next
+        assert astray(some).tolist() == np.isinf(surface.distance(some)).tolist()
 
 
 def test_cache_beyond_its_first_thousand_points() -> None:
