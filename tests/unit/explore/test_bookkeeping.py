@@ -26,13 +26,16 @@ def run() -> Run:
 
 
 def algorithm_1(run: Run) -> Floats:
-    """S_disc of the paper, state by state: agent after agent at every timestep; and again for where one stood."""
-    known: dict[bool, list[Floats]] = {False: [], True: []}  # anywhere, and where one stood
+    """S_disc of the paper, state by state: agent after agent at every timestep; again for where one stood, and again
+    for where one stood off the nav-mesh."""
+    known: dict[str, list[Floats]] = {"anywhere": [], "stood": [], "astray": []}
     found = []
     for state in run.trajectories.reshape(-1, 3):
         if np.isnan(state[0]):
             continue
-        kinds = [False, True] if stands(state[None])[0] else [False]
+        kinds = ["anywhere"]
+        if stands(state[None])[0]:
+            kinds += ["stood"] if np.isfinite(Plane().distance(state[None])[0]) else ["stood", "astray"]
         new = [kind for kind in kinds if _is_far(state, known[kind], run.level.explore.threshold_m)]
         for kind in new:
             known[kind].append(state)
