@@ -91,7 +91,7 @@ class LineProgress:
         if not self._is_time():
             return
         now = time.monotonic()
-        left = (now - self._began) * (self._total - record.agent_steps) / record.agent_steps
+        left = (now - self._began) * max(self._total - record.agent_steps, 0) / record.agent_steps
         text = f"{record.agent_steps:,} of {self._total:,} steps, {_what(record, now - self._began)}"
         print(f"{text}, about {left:.0f} s left", file=self._stream, flush=True)
 
