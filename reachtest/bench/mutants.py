@@ -11,6 +11,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 from reachtest import pipeline
 from reachtest.errors import BadInput, Problem
 from reachtest.explore.goals import sample_goals
@@ -19,7 +21,9 @@ from reachtest.mutants.detect import found_by, unreached_in
 from reachtest.mutants.ground import Ground, survey_ground
 from reachtest.mutants.plant import KINDS, plant
 from reachtest.mutants.records import Planted
-from reachtest.records import Level, Report
+from reachtest.navmesh.coverage import goal_islands
+from reachtest.navmesh.islands import Islands
+from reachtest.records import Floats, Level, Report
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,7 @@ def measure_recall(
     began = time.perf_counter()
     options = pipeline.with_overrides(pipeline.RunOptions(path, seed=seed), explore={"steps": steps})
     level = pipeline.load(options)
-    ground = survey_ground(level, sample_goals(level.navmesh, level.explore.goal_spacing_m))
+    ground = survey_ground(level, _goals(level))
     without = _run(level, options)
     planted = dict.fromkeys(kinds, 0)
     tried: list[Tried] = []
@@ -90,6 +94,13 @@ def measure_recall(
             break
     wall_s = time.perf_counter() - began
     return Recall(level.name, seed, level.explore.steps, without.verdict.name, planted, tuple(tried), wall_s)
+
+
+def _goals(level: Level) -> Floats:
+    """The goals [G, 3] that a run asks for: those on islands that the nav-mesh connects to no spawn do not count."""
+    goals = sample_goals(level.navmesh, level.explore.goal_spacing_m)
+    spawns = np.array([spawn.position for spawn in level.spawns])
+    return goals[goal_islands(Islands(level.navmesh), spawns, goals).goals_count]
 
 
 def _in_turn(

@@ -9,6 +9,7 @@ Shape legend: n places.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +22,7 @@ from reachtest.mutants.flood import POSSIBLE, SURE, reach, spawn_places
 from reachtest.mutants.ground import Ground
 from reachtest.mutants.moves import moves_of
 from reachtest.navmesh.allowed import expected_surface
-from reachtest.records import Bools, Floats, Level
+from reachtest.records import Bools, Character, Floats, Level
 
 _AROUND = np.array([10.0, 10.0, 0.0])  # [m] a window that holds the way in and the first places beyond
 _NEW_M = 1.0  # farther from every place that was possible: a few cells
@@ -30,6 +31,7 @@ _SAME_M = 0.35  # a place of one field in the other: two cells
 _LEAST_PLACES = 12  # 0.35 m2: fewer may be rounding
 _LEAST_INSIDE = 4  # where the whole width is inside, a few are enough
 _LEAST_LOST_M2 = 4.0
+_SLIM = 0.5  # of the radius gets possibly past a barrier: in voxels a gap as wide as the character is none
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def opened(ground: Ground, mutated: Level, box: Box) -> Change:
 
 def cut_off(ground: Ground, mutated: Level, box: Box) -> Change:
     """The goals that geometry added at `box` cuts off, wherever they are."""
-    who = mutated.character
+    who = _slim(mutated.character)
     spawns = np.array([spawn.position for spawn in mutated.spawns])
     if _gets_past(ground, mutated, box, spawns):
         return Change((), np.zeros((0, 3)))
@@ -75,7 +77,7 @@ def cut_off(ground: Ground, mutated: Level, box: Box) -> Change:
     reached = reach(field, moves_of(field), who, spawn_places(field, spawns), POSSIBLE)
     after = field.positions[reached]
     before = ground.field.positions[ground.walked]
-    lost = before[~_near(before, after, _SAME_M) & ~box.contains(before, 2 * who.radius_m)]
+    lost = before[~_near(before, after, _SAME_M) & ~box.contains(before, 2 * mutated.character.radius_m)]
     within = ground.level.explore.goal_radius_m
     goals = _near(ground.goals, before, within) & ~_near(ground.goals, after, within)
     goals &= _near(ground.goals, lost, within)
@@ -83,11 +85,15 @@ def cut_off(ground: Ground, mutated: Level, box: Box) -> Change:
     return Change(("lost",) if real else (), lost if real else lost[:0])
 
 
+def _slim(who: Character) -> Character:
+    return dataclasses.replace(who, radius_m=_SLIM * who.radius_m)
+
+
 def _gets_past(ground: Ground, mutated: Level, box: Box, spawns: Floats) -> bool:
     """Whether one possibly gets past a barrier within some metres of it: cheap, before the whole level is asked."""
     low, high = box.bounds
-    who, known = mutated.character, ground.field
-    barred = box.contains(known.positions, who.radius_m)
+    who, known = _slim(mutated.character), ground.field
+    barred = box.contains(known.positions, mutated.character.radius_m)
     still = ground.moves.flood(spawn_places(known, spawns), barred)
     lost = ground.walked[~still[ground.walked] & ~barred[ground.walked]]
     lost = lost[(np.abs(known.positions[lost] - box.centre) < _AROUND[0] / 2).all(axis=1)]

@@ -124,6 +124,14 @@ def test_a_box_that_one_gets_over_or_past_does_not(barrier: Box) -> None:
     assert blocks(divided(1.6 if barrier.half[1] < 1 else 0.8), barrier).reasons == ()
 
 
+@pytest.mark.parametrize("gap", [0.70, 0.76, 0.82])
+def test_a_box_beside_which_the_character_just_fits_does_not(gap: float) -> None:
+    """It is 0.68 m wide, and cells are 0.17 m."""
+    right = 0.8 - gap
+    barrier = upright(0, (right - 1.1) / 2, (-0.2, 2.8), (0.4, (right + 1.1) / 2))
+    assert blocks(divided(0.8), barrier).reasons == ()
+
+
 def test_a_box_in_one_of_two_doors_does_not() -> None:
     two = yard(
         box([-0.2, -SIDE, 0], [0.2, -0.8, 3]),

@@ -51,6 +51,16 @@ def test_other_findings_do_not(found: list[Finding], without: list[Finding]) -> 
     assert found_by(HOLE, FELL, found, without) is None
 
 
+def test_what_gates_is_new_where_a_remark_was_before() -> None:
+    """Islands that nothing connects are told of by a box around them all, and no build fails because of them."""
+    cut_off = dataclasses.replace(finding("unreached_area", (8, 0, 0)), low=np.array([2.0, -3, 0]))
+    remark = dataclasses.replace(cut_off, gating=False)
+    assert found_by(DOOR, LOST, [remark, cut_off], [remark]) is cut_off
+    assert found_by(DOOR, LOST, [cut_off], [cut_off]) is None
+    assert found_by(DOOR, LOST, [remark], [remark]) is None
+    assert found_by(DOOR, LOST, [remark], [cut_off]) is None
+
+
 def test_of_several_the_worst_is_named() -> None:
     found = [
         finding("unexpected_area", (1, 0, -4), (1, 0, 0)),
