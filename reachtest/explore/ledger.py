@@ -88,9 +88,8 @@ class Ledger:
         footings = of_parents(parents, self.archive.footings_of, self._spawn_positions)
         stays = Stays(footings, np.zeros(parents.shape, dtype=np.bool_))
         self.transitions.add(rolled, stays, parents, self.rounds, self.archive.stood_at(parents))
-        stands = rolled.grounded.ravel()[valid]
-        astray = stands.copy()
-        astray[stands] = self._astray(flat[stands])
+        stands, astray = rolled.grounded.ravel()[valid], rolled.stays.ravel()[valid]
+        astray[astray] = self._astray(flat[astray])
         began = time.monotonic()
         order = valid[self.cache.insert(flat, stands, astray)]
         self.cache_s += time.monotonic() - began

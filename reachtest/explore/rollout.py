@@ -27,6 +27,13 @@ class Trajectories:
     ended: NDArray[np.int8]  # [T, B] EndReason
     last: Floats  # [T, B, 3] position after the step, also where it ended the episode
 
+    @property
+    def stays(self) -> Bools:
+        """Who stood at the end of the step before, too [T, B]: who just comes down is in the floor, and lower."""
+        result = np.zeros_like(self.grounded)
+        result[1:] = self.grounded[1:] & self.grounded[:-1] & (self.start[1:] == self.start[:-1])
+        return result
+
 
 def roll_out(simulator: Simulator, starts: Floats, actions: NDArray[np.int8]) -> Trajectories:
     """Simulate `actions` [T, B, 2] from the first of `starts` [M, B, S].

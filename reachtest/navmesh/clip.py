@@ -76,17 +76,17 @@ def cut_heights(corners: Floats, cell: Ints, rate: Floats, steep: Bools) -> tupl
         point = (cell + corner).astype(np.float64)
         away = point - corners[:, 0, :2]
         z = corners[:, 0, 2] + np.einsum("pi,pi->p", rate, away)
-        within = ~steep & _holds(corners[:, :, :2], point)
+        within = ~steep & holds(corners[:, :, :2], point)
         low = np.where(within, np.minimum(low, z), low)
         high = np.where(within, np.maximum(high, z), high)
-    over_centre = ~steep & _holds(corners[:, :, :2], cell + 0.5)
+    over_centre = ~steep & holds(corners[:, :, :2], cell + 0.5)
     nothing = low > high  # a sliver that only rounding puts into the column
     least, most = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
     return np.where(nothing, least, low), np.where(nothing, most, high), over_centre
 
 
-def _holds(flat: Reals, point: Reals) -> Bools:
-    """Whether triangles [P, 3, 2] of either orientation hold their point [P, 2]."""
+def holds(flat: Reals, point: Reals) -> Bools:
+    """Whether triangles [P, 3, 2] of either orientation hold their point [P, 2], their edges included."""
     signs = []
     for k in range(3):
         along, away = flat[:, (k + 1) % 3] - flat[:, k], point - flat[:, k]

@@ -29,9 +29,9 @@ class ExpectedSurface:
         self._scale = 1.0 / _tolerances(navmesh, character)
         needed = expected_within_m < (1.0 / self._scale).max()
         self._close = SurfaceIndex(navmesh.triangles * self._scale, 1.0) if needed else None
-        ends = [(end, link.radius_m) for link in navmesh.links for end in (link.start, link.end)]
-        self._end_radius = np.array([radius for _, radius in ends])
-        self._ends = cKDTree(np.array([end for end, _ in ends])) if ends else None
+        ends = [(link.radius_m, end) for link in navmesh.links for end in (link.start, link.end)]
+        radii = sorted({radius for radius, _ in ends})
+        self._ends = [(radius, cKDTree([end for own, end in ends if own == radius])) for radius in radii]
 
     def distance(self, points: Floats) -> Floats:
         """Distance [n] of points [n, 3] to the nearest of it [m]; infinite where a character is not expected."""
@@ -40,26 +40,19 @@ class ExpectedSurface:
             # At the wall or on the stair of an expected place: as far as is expected, and no farther.
             beyond = np.flatnonzero(np.isinf(result))
             result[beyond[self._within_tolerance(points[beyond])]] = self._limit_m
-        if self._ends is not None:
-            result = np.minimum(result, self._to_ends(points))
-        return result
+        return np.minimum(result, self._to_ends(points)) if self._ends else result
 
     def _within_tolerance(self, points: Floats) -> Bools:
         assert self._close is not None
         return self._close.within(points * self._scale)
 
     def _to_ends(self, points: Floats) -> Floats:
-        """Distance [n] to the nearest end of a link, its radius taken off; infinite where not expected.
-
-        Ends of different radius: the nearest one counts.
-        """
-        assert self._ends is not None
+        """Distance [n] to the nearest link's end, each with a radius around it; infinite where not expected."""
         away = np.full(len(points), np.inf)
         known = np.isfinite(points).all(axis=1)
-        reach = self._limit_m + float(self._end_radius.max())
-        near, which = self._ends.query(points[known], distance_upper_bound=reach)
-        radius = np.append(self._end_radius, 0.0)[which]
-        away[known] = np.maximum(near - radius, 0.0)
+        for radius, ends in self._ends:
+            near, _ = ends.query(points[known], distance_upper_bound=self._limit_m + radius)
+            away[known] = np.minimum(away[known], np.maximum(near - radius, 0.0))
         return np.where(away <= self._limit_m, away, np.inf)
 
 
@@ -79,7 +72,6 @@ def _tolerances(navmesh: NavMesh, character: Character) -> Floats:
     It holds the box of erosion and float (hence the root of two): one may be at a wall on a stair.
     """
     radius = max(navmesh.agent.radius_m or 0.0, character.radius_m)
-    given = navmesh.agent.climb_m is not None
-    climb = max(climb_of(navmesh), character.step_height_m) if given else climb_of(navmesh)
+    climb = max(climb_of(navmesh), character.step_height_m)
     aside = radius * (1 + _CELL_PER_RADIUS)
     return np.sqrt(2.0) * np.array([aside, aside, climb])

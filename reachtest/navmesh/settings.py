@@ -10,6 +10,7 @@ from reachtest.navmesh.walkable import VoxelAgent
 from reachtest.records import Character
 
 CELLS_PER_RADIUS = 2  # Recast's rule of thumb outdoors; indoors it is 3
+LEAST_CLIMB = 0.125  # [cell widths] less is none: cells as low as that would be too many
 ISLAND_CELLS = 64  # the Recast demo's minimum region size is 8 x 8 cells
 WHOLE = 1e-6  # [cells] a measure of 6.0000001 cells is 6: rounding of decimal fractions
 
@@ -40,7 +41,8 @@ class BuildSettings:
             radius=int(np.ceil(self.radius_m / self.cell_m - WHOLE)),
             rise=int(np.ceil(rise_m / self.cell_height_m - WHOLE)),
             spread=int(np.ceil(spread_m / self.cell_height_m - WHOLE)),
-            even_m=rise_m / 2 * (1 + WHOLE),  # a slope that ends in a cell is drawn on to its end
+            rise_m=rise_m,
+            rolls_m=self.radius_m * (1.0 - float(np.cos(np.radians(self.slope_deg)))),
         )
 
 
@@ -53,7 +55,7 @@ def settings_for(character: Character, *, both_sides: bool = False, **given: flo
     known = {name: value for name, value in given.items() if value is not None}
     radius, climb = known.get("radius_m", character.radius_m), known.get("climb_m", character.step_height_m)
     cell = known.get("cell_m", (radius or character.radius_m) / CELLS_PER_RADIUS)
-    cell_height = climb / np.ceil(climb / (cell / 2)) if climb > 0 else cell / 2
+    cell_height = climb / np.ceil(climb / (cell / 2)) if climb > cell * LEAST_CLIMB else cell / 2
     default = {
         "cell_m": cell,
         "cell_height_m": float(cell_height),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reachtest.geometry import expand, triangle_normals
-from reachtest.navmesh.clip import TOUCH, across, cut_heights
+from reachtest.navmesh.clip import TOUCH, across, cut_heights, holds
 from reachtest.records import Bools, Floats, Ints
 
 TOP_BITS = 24  # of sort keys: heights of up to 16 million cells
@@ -103,9 +103,13 @@ def _heights(
     half = np.abs(rate).sum(axis=1) / 2
     middle = origin[tri] + rate[tri, 0] * (i + 0.5) + rate[tri, 1] * (j + 0.5)
     low, high = middle - half[tri], middle + half[tri]
-    cut = np.flatnonzero(~inside)
-    some = tri[cut]
     sure = ~steep[tri]
+    part = ~inside
+    slopes = ((half > 0) | steep)[tri]
+    flat = np.flatnonzero(part & ~slopes)
+    sure[flat] = holds(cells[tri[flat], :, :2], np.stack([i[flat], j[flat]], axis=1) + 0.5)
+    cut = np.flatnonzero(part & slopes)
+    some = tri[cut]
     low[cut], high[cut], sure[cut] = cut_heights(
         cells[some], np.stack([i[cut], j[cut]], axis=1), rate[some], steep[some]
     )

@@ -15,6 +15,7 @@ from reachtest.records import Bools, Ints
 
 OPEN = 1 << (TOP_BITS - 1)  # [cell heights] where nothing is above
 DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))  # Recast's order; direction d and d + 2 are opposite
+_ROUNDING_M = 1e-6
 STRAIGHT, DIAGONAL = 2, 3  # lengths of a chamfer distance, in half cells: rcErodeWalkableArea
 
 
@@ -31,7 +32,8 @@ class VoxelAgent:
     radius: int
     rise: int  # what the steepest slope rises from one cell to the next
     spread: int  # by what the floors around one may differ: the climb in Recast, which may be too little on stairs
-    even_m: float  # surfaces whose heights differ by less where two cells meet are one, if they slope
+    rise_m: float  # likewise, in metres
+    rolls_m: float  # what the round bottom meets as a slope that it may walk
 
 
 @dataclass(frozen=True)
@@ -114,11 +116,15 @@ def _slopes_down(
 
 
 def _even(spans: Spans, here: Ints, there: Ints, direction: tuple[int, int], agent: VoxelAgent) -> Bools:
-    """Whether the surfaces of spans `here` and `there` [n], which lies in `direction`, meet where their columns do."""
+    """Whether the surfaces of spans `here` and `there` [n], which lies in `direction`, meet where their columns do.
+
+    A surface that ends in a column is drawn on to its end, half a cell at most: slopes may differ by that there.
+    """
     axis, sign = (0, direction[0]) if direction[0] else (1, direction[1])
-    near = spans.floor[here] + sign * spans.rate[here, axis] / 2
-    far = spans.floor[there] - sign * spans.rate[there, axis] / 2
-    return np.asarray(np.abs(near - far) <= agent.even_m, dtype=np.bool_)
+    rate, other = (np.clip(spans.rate[at, axis], -agent.rise_m, agent.rise_m) for at in (here, there))
+    gap = np.abs(spans.floor[here] + sign * rate / 2 - spans.floor[there] + sign * other / 2)
+    slack = np.maximum((np.abs(rate) + np.abs(other)) / 2, min(agent.rolls_m, agent.rise_m / 2))
+    return np.asarray(gap <= slack + _ROUNDING_M, dtype=np.bool_)
 
 
 class _Columns:

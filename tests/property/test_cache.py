@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -16,9 +17,10 @@ from reachtest.explore.astray import Astray
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.goals import GoalSet
 from reachtest.explore.visits import VisitCounts
+from reachtest.levels import PRESETS
 from reachtest.navmesh.allowed import AllowedZones
-from reachtest.records import Zone
-from reachtest.surface import SurfaceIndex
+from reachtest.navmesh.expected import ExpectedSurface
+from reachtest.records import NavLink, NavMesh, Zone
 
 Points = NDArray[np.float64]
 
@@ -107,23 +109,47 @@ def test_what_was_stood_at_and_what_was_stood_at_astray_is_discovered_apart(data
     np.testing.assert_array_equal(cache.positions, points[inserted])
 
 
-@settings(max_examples=100, deadline=None)
-@given(clouds(), st.sampled_from([0.5, 1.0, 3.0, 6.0]), st.booleans(), seeds)
-def test_who_is_astray_is_who_is_farther_from_the_nav_mesh_and_in_no_zone(
-    points, within, zoned, seed
-) -> None:
+def surroundings(points: Points, within: float, seed: int) -> AllowedZones:
+    """A nav-mesh among the points, two links whose ends have different radii, and a roof that is fine."""
     rng = np.random.default_rng(seed)
     middle = points.mean(axis=0) if len(points) else np.zeros(3)
-    corners = middle + rng.uniform(-3, 3, (4, 3, 3)) * [1, 1, 0.1]
-    zones = (
-        [Zone("roof", "allowed_off_mesh", middle + [0.3, 0.1, -2.0], middle + [4.0, 2.7, 2.0])]
-        if zoned
-        else []
-    )
-    surface = AllowedZones(SurfaceIndex(corners, within), zones)
+    vertices = middle + rng.uniform(-3, 3, (12, 3)) * [1, 1, 0.1]
+    ends = middle + rng.uniform(-6, 6, (2, 2, 3)) * [1, 1, 0.2]
+    links = tuple(NavLink("jump", *pair, radius, True) for pair, radius in zip(ends, (0.0, 2.0), strict=True))
+    mesh = NavMesh("nav", vertices, np.arange(12).reshape(4, 3), links=links)
+    roof = Zone("roof", "allowed_off_mesh", middle + [0.3, 0.1, -2.0], middle + [4.0, 2.7, 2.0])
+    return AllowedZones(ExpectedSurface(mesh, PRESETS["unreal"], within), [roof] if seed % 2 else [])
+
+
+@settings(max_examples=100, deadline=None)
+@given(clouds(), st.sampled_from([0.1, 0.5, 1.0, 3.0, 6.0]), seeds)
+def test_who_is_astray_is_who_is_not_expected(points, within, seed) -> None:
+    surface = surroundings(points, within, seed)
     astray = Astray(surface, within)
     for some in np.array_split(points, 3):  # what was measured in one is known in the next
         assert astray(some).tolist() == np.isinf(surface.distance(some)).tolist()
+
+
+@pytest.mark.parametrize("within", [0.5, 3.0])
+@pytest.mark.parametrize("height", [0.0, 0.5, 2.25])
+def test_who_stands_on_the_nav_mesh_is_not_measured_again(within, height) -> None:
+    """Nor is where the middles of cells lie on it."""
+
+    class Counted:
+        asked = 0
+
+        def distance(self, points: Points) -> Points:
+            self.asked += len(points)
+            away = np.abs(points[:, 2] - height)
+            return np.where(away <= within, away, np.inf)
+
+    surface, rng = Counted(), np.random.default_rng(0)
+    astray = Astray(surface, within)
+    everywhere = np.column_stack([rng.uniform(-20, 20, (10_000, 2)), np.full(10_000, height)])
+    astray(everywhere)
+    surface.asked = 0
+    assert not astray(everywhere).any()
+    assert surface.asked == 0
 
 
 def test_cache_beyond_its_first_thousand_points() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -30,18 +31,29 @@ def algorithm_1(run: Run) -> Floats:
     for where one stood off the nav-mesh."""
     known: dict[str, list[Floats]] = {"anywhere": [], "stood": [], "astray": []}
     found = []
-    for state in run.trajectories.reshape(-1, 3):
+    for state, before in _with_the_one_before(run):
         if np.isnan(state[0]):
             continue
         kinds = ["anywhere"]
         if stands(state[None])[0]:
-            kinds += ["stood"] if np.isfinite(Plane().distance(state[None])[0]) else ["stood", "astray"]
+            kinds += ["stood"]
+            if np.isinf(Plane().distance(state[None])[0]) and stands(before[None])[0]:
+                kinds += ["astray"]
         new = [kind for kind in kinds if _is_far(state, known[kind], run.level.explore.threshold_m)]
         for kind in new:
             known[kind].append(state)
         if new:
             found.append(state)
     return np.array(found)
+
+
+def _with_the_one_before(run: Run) -> Iterator[tuple[Floats, Floats]]:
+    """Every state, and that of the same agent a step before; NaN where an episode begins."""
+    for record in run.records:
+        before = np.full_like(record.trajectories[0], np.nan)
+        for row in record.trajectories:
+            yield from zip(row, before, strict=True)
+            before = row
 
 
 def _is_far(state: Floats, known: list[Floats], threshold_m: float) -> bool:

@@ -102,11 +102,13 @@ def test_cached_points_are_those_of_the_algorithm_step_by_step() -> None:
     astray: list[np.ndarray] = []
     cached = []
     for record in records:
+        before = np.full_like(record.trajectories[0], np.nan)
         for row in record.trajectories:  # one agent step after the other, all agents in order
-            for position in row:
+            was, before = before, row
+            for position, began in zip(row, np.isnan(was[:, 0]), strict=True):
                 if np.isnan(position[0]):
                     continue
-                off = np.isinf(Plane().distance(position[None])[0])
+                off = np.isinf(Plane().distance(position[None])[0]) and not began
                 known = [
                     kind for kind in ([anywhere, astray] if off else [anywhere]) if is_far(position, kind)
                 ]

@@ -223,10 +223,41 @@ def test_a_ramp_joins_two_storeys_for_every_character(who: str, degrees: float, 
 
 
 @pytest.mark.parametrize(("who", "joined"), [("unity", True), ("godot", False)])
-def test_a_kerb_is_no_slope(who: str, joined: bool) -> None:
-    """0.28 m: Unity's character steps up 0.3 m, Godot's jumps."""
-    pieces = np.concatenate([GROUND, box([0, -6, -1], [6, 6, 0.28])])
-    assert (islands(build_navmesh(pieces, settings_for(PRESETS[who]))).max() == 0) == joined
+@pytest.mark.parametrize("x", [0.0, 0.07, 0.13, 0.19])
+def test_a_kerb_is_no_slope(who: str, joined: bool, x: float) -> None:
+    """0.2 m: Unity's character steps up 0.3 m, Godot's round bottom 0.15 m. Wherever cells begin."""
+    pieces = np.concatenate([GROUND, box([x, -6, -1], [6, 6, 0.2])])
+    navmesh = build_navmesh(pieces, settings_for(PRESETS[who]))
+    assert covers(navmesh, [-3, 0, 0], [3, 0, 0.2])
+    assert misses(navmesh, [x, 0, 0.1], PRESETS[who].radius_m) != joined
+
+
+@pytest.mark.parametrize(
+    ("who", "slope_deg", "drop"), [("unity", 80, 0.6), ("unity", 89, 7), ("unreal", 89, 4)]
+)
+@pytest.mark.parametrize("x", [0.0, 0.07, 0.13])
+def test_a_cliff_is_no_slope_however_steep_slopes_may_be(
+    who: str, slope_deg: float, drop: float, x: float
+) -> None:
+    pieces = np.concatenate([box([-6, -6, -9], [6, 6, -drop]), box([x, -6, -9], [6, 6, 0])])
+    navmesh = build_navmesh(pieces, settings_for(PRESETS[who], slope_deg=slope_deg))
+    assert covers(navmesh, [-3, 0, -drop], [3, 0, 0])
+    assert misses(navmesh, [x, 0, 0], PRESETS[who].radius_m)
+    assert misses(navmesh, [x, 0, -drop], PRESETS[who].radius_m)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("degrees", [30.0, 40.0, 44.0])
+def test_ridges_and_valleys_hold_together_wherever_cells_begin(degrees: float, sign: float) -> None:
+    """Godot's character steps up nothing: only the slopes themselves say that they meet."""
+    rise = 4.0 * np.tan(np.radians(degrees)) * sign
+    left = np.array([[-4, -4, 0], [0, -4, rise], [0, 4, rise], [-4, 4, 0]])[[[0, 1, 2], [0, 2, 3]]]
+    right = (left * [-1, 1, 1])[:, ::-1]
+    for offset in np.linspace(0.0, 0.25, 10, endpoint=False):
+        flat = box([-9 - offset, -4, -1], [-4, 4, 0])  # the grid begins at its edge
+        navmesh = build_navmesh(np.concatenate([flat, left, right]), settings_for(PRESETS["godot"]))
+        on = Islands(navmesh).of(np.array([[-2, 0, rise / 2], [2, 0, rise / 2]]))
+        assert on[0] == on[1] >= 0, f"apart with cells that begin {offset} m farther"
 
 
 @pytest.mark.parametrize("who", ["unreal", "unity", "quake3"])
