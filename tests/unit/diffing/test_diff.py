@@ -68,6 +68,19 @@ def test_a_new_finding_that_does_not_gate_fails_nothing(tmp_path) -> None:
     assert document["exit_code"] == 0
 
 
+def test_a_part_that_is_cut_off_is_new_beside_islands_that_nothing_connects(tmp_path) -> None:
+    remark = make_finding(id="islands", kind="unreached_area", gating=False, exit_point=None, exits=None)
+    cut_off = replace(remark, id="cut off", gating=True)
+    document = told(run(tmp_path / "a", remark), run(tmp_path / "b", remark, cut_off, level=CHANGED))
+    assert ids(document)["new"] == ["cut off"]
+    assert ids(document)["still_there"] == ["islands"]
+    assert document["exit_code"] == 1
+    again = told(read_result(tmp_path / "b"), read_result(tmp_path / "b"))
+    assert ids(again)["new"] == []
+    known = replace(cut_off, gating=False, suppressed_by="baseline: x")
+    assert ids(told(run(tmp_path / "c", known), read_result(tmp_path / "b")))["new"] == []
+
+
 @pytest.mark.parametrize(
     ("changes", "doubt"),
     [
