@@ -12,9 +12,9 @@ import numpy as np
 
 from reachtest.geometry import triangle_normals
 from reachtest.navmesh.blocks import Block, build_block, large_islands
+from reachtest.navmesh.filters import OPEN
 from reachtest.navmesh.settings import BuildSettings
 from reachtest.navmesh.voxels import Grid
-from reachtest.navmesh.walkable import OPEN
 from reachtest.records import Floats, Ints, NavAgent, NavMesh
 
 BUILT, BUILT_BOTH = "built", "built, floors on both sides of faces"  # NavMesh.format

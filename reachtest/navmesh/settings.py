@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reachtest.navmesh.walkable import VoxelAgent
+from reachtest.navmesh.filters import VoxelAgent
 from reachtest.records import Character
 
 CELLS_PER_RADIUS = 2  # Recast's rule of thumb outdoors; indoors it is 3
