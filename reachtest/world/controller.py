@@ -23,6 +23,8 @@ from reachtest.world.contacts import WALL_NZ, Contacts
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
 GROOVE_NZ = 0.2  # a normal with less of a vertical part carries nobody
 GROOVE_RISE = 0.05  # sine: in one that rises more one slides
+JAM_COS = 0.98  # what holds one against a wall faces it: else one slides along
+AT_REST_MPS = 0.1  # less than a third of what gravity gives in a tick
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 
 
@@ -86,7 +88,9 @@ class Controller:
             touches[unsure] = (contacts.walkable[unsure] & (leaving < LEAVING_MPS)).any(axis=1)
         resting = contacts.ids[~touches[contacts.ids] & (np.abs(velocity[contacts.ids, 2]) < LEAVING_MPS)]
         if len(resting):
-            touches[resting] = self._in_groove(contacts.normals[resting])
+            still = np.abs(velocity[resting]).max(axis=1) < AT_REST_MPS
+            normals = contacts.normals[resting]
+            touches[resting] = self._in_groove(normals) | (still & _jammed(normals))
         return touches
 
     def _in_groove(self, normals: Floats) -> Bools:
@@ -135,6 +139,18 @@ class Controller:
         has = steepest > -np.inf
         target[:, 2] = np.where(has, steepest, -STICK_MPS)
         target -= (STICK_MPS * has)[:, None] * normals[rows, best]
+
+
+def _jammed(normals: Floats) -> Bools:
+    """Who [n] of contact `normals` [n, K, 3] is held between a wall and an edge across from it: if nothing moves, one
+    has landed, and may jump out (Unreal's PhysFalling, where a move ends as it begins)."""
+    flat, rises = normals[:, :, :2], normals[:, :, 2]
+    walls = (np.abs(rises) < WALL_NZ) & (flat != 0.0).any(axis=2)
+    length = np.hypot(flat[:, :, 0], flat[:, :, 1])
+    across = flat @ flat.transpose(0, 2, 1) < -JAM_COS * length[:, :, None] * length[:, None, :]
+    return np.asarray(
+        (across & (rises > GROOVE_NZ)[:, :, None] & walls[:, None, :]).any(axis=(1, 2)), dtype=np.bool_
+    )
 
 
 def cut_by_obstacles(velocity: Floats, flat: Floats) -> Floats:

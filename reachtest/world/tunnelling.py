@@ -83,7 +83,11 @@ class Barriers:
             fits[fast] = self._fits(ids[fast], (here[fast] + there[fast]) / 2)
         back = indices(~fits)
         if len(back):
-            back = back[self._fits(ids[back], there[back])]
+            fitted = self._fits(ids[back], there[back])
+            there[back] = batch.position[
+                ids[back]
+            ]  # clear of all: as deep in something it would go the same way again
+            back = back[fitted]
         batch.position[ids], batch.velocity[ids[squeezed]] = here, 0.0
         batch.position[ids[back]], batch.velocity[ids[back]] = there[back], 0.0
         batch.touch(ids)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from reachtest.levels import PRESETS
-from reachtest.records import Character, ExploreSettings, Level
+from reachtest.records import Character, ExploreSettings, Floats, Level
 from reachtest.world import MujocoSimulator
 from tests.levels import EAST, FLOOR, NORTH_EAST, box, level
 
@@ -113,3 +113,72 @@ def test_who_lands_in_a_rising_gully_slides_down_it() -> None:
     for _ in range(40):
         simulator.step(np.zeros((n, 2), dtype=np.int8))
     assert (simulator.save()[:, 1] < y - 5).all()
+
+
+def beside_a_wall(gap: float, height: float, yaw: float = 0.3) -> tuple[Level, Floats]:
+    """A wall, and a low box as far from it as `gap`: a slot that is too narrow for the capsule, at any angle."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    pieces = [
+        box([-5, -5, -1], [5, 5, 0]),
+        box([-1, 0, 0], [1, 1, 1.0]),
+        box([-1, -gap - 1, 0], [1, -gap, height]),
+    ]
+    return level(*[piece @ turn.T for piece in pieces], spawn=(-3, -3, 0.02)), turn
+
+
+@pytest.mark.parametrize("deep", [0.09, 0.12])
+@pytest.mark.parametrize(("gap", "height", "z"), [(0.60, 0.2, 0.1), (0.60, 0.3, 0.2), (0.64, 0.2, 0.1)])
+def test_who_got_deep_into_a_wall_over_a_slot_is_not_held_there(
+    gap: float, height: float, z: float, deep: float
+) -> None:
+    """What pushes it out leads into the slot, where it does not fit: it was put back, tick after tick, for good."""
+    where, turn = beside_a_wall(gap, height)
+    simulator = MujocoSimulator(where, 1)
+    feet = np.array([[0.2, deep - where.character.radius_m, z]]) @ turn.T
+    simulator.restore(np.array([0]), simulator.place(feet))
+    for _ in range(15):
+        simulator.step(np.zeros((1, 2), dtype=np.int8))
+    assert simulator._batch.deepest()[0] > -0.02
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize(("gap", "height"), [(0.60, 0.45), (0.62, 0.45), (0.64, 0.3), (0.655, 0.45)])
+def test_who_is_jammed_between_a_wall_and_a_crate_may_jump_out(gap: float, height: float, yaw: float) -> None:
+    """Held off the floor by the crate's edge on one side and the wall on the other: nothing moves, one has landed."""
+    where, turn = beside_a_wall(gap, height, yaw)
+    simulator = MujocoSimulator(where, 16)
+    feet = np.column_stack([np.linspace(-0.5, 0.5, 16), np.full(16, -0.3), np.full(16, 0.6)]) @ turn.T
+    simulator.restore(np.arange(16), simulator.place(feet))
+    for _ in range(10):
+        simulator.step(np.zeros((16, 2), dtype=np.int8))
+    rests = simulator.save()[:, 2]
+    assert ((rests > 0.04) & (rests < height)).all(), "off the floor, and in the slot"
+    highest = rests
+    for _ in range(8):
+        simulator.step(np.tile(np.array([0, 1], dtype=np.int8), (16, 1)))
+        highest = np.maximum(highest, simulator.save()[:, 2])
+    assert (highest > rests + 0.8).all()
+
+
+@pytest.mark.parametrize("width", [0.69, 0.70, 0.72])
+@pytest.mark.parametrize("ledge", [0.02, 0.05])
+def test_nobody_climbs_a_slot_by_the_ledges_in_it(width: float, ledge: float) -> None:
+    """A jump and a jam, again and again: from outside nobody gets in between ledges where the capsule jams."""
+    n, rng = 64, np.random.default_rng(0)
+    pieces = [
+        box([-6, -6, -1], [6, 6, 0]),
+        box([-3, 0, 0], [3, 1, 12]),
+        box([-3, -width - 1, 0], [3, -width, 12]),
+    ]
+    pieces += [box([-3, -width - 0.5, z], [3, ledge - width, z + 0.05]) for z in np.arange(0.4, 9, 0.5)]
+    simulator = MujocoSimulator(level(*pieces, spawn=(-4, -width / 2, 0.02)), n)
+    feet = np.column_stack([rng.uniform(-5, -3.5, n), np.full(n, -width / 2), np.full(n, 0.02)])
+    simulator.restore(np.arange(n), simulator.place(feet))
+    highest = np.zeros(n)
+    for _ in range(300):
+        stick = np.where(rng.random(n) < 0.5, EAST, rng.integers(0, 9, n))
+        simulator.step(np.stack([stick, rng.random(n) < 0.7], axis=1).astype(np.int8))
+        at = simulator.save()
+        highest = np.maximum(highest, np.where(np.abs(at[:, 0]) < 3, at[:, 2], 0.0))
+    assert highest.max() < 0.95
