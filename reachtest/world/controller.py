@@ -88,10 +88,18 @@ class Controller:
             touches[unsure] = (contacts.walkable[unsure] & (leaving < LEAVING_MPS)).any(axis=1)
         resting = contacts.ids[~touches[contacts.ids] & (np.abs(velocity[contacts.ids, 2]) < LEAVING_MPS)]
         if len(resting):
-            still = np.abs(velocity[resting]).max(axis=1) < AT_REST_MPS
-            normals = contacts.normals[resting]
-            touches[resting] = self._in_groove(normals) | (still & _jammed(normals))
+            touches[resting] = self._in_groove(contacts.normals[resting])
         return touches
+
+    def jammed(self, velocity: Floats, contacts: Contacts, stands: Bools) -> Ints:
+        """Who [n] of those that do not stand [B] is held between a wall and an edge across from it, as nothing moves.
+
+        If that lasts, one has landed, and may jump out (Unreal's PhysFalling, where a move ends as it begins); for a
+        tick everybody is at rest at the top of a jump.
+        """
+        ids = contacts.ids[~stands[contacts.ids]]
+        ids = ids[np.abs(velocity[ids]).max(axis=1, initial=0.0) < AT_REST_MPS]
+        return ids[_between(contacts.normals[ids])] if len(ids) else ids
 
     def _in_groove(self, normals: Floats) -> Bools:
         """Who [n] of contact `normals` [n, K, 3] is carried by two sides of a level groove, none of them walkable: the
@@ -141,9 +149,8 @@ class Controller:
         target -= (STICK_MPS * has)[:, None] * normals[rows, best]
 
 
-def _jammed(normals: Floats) -> Bools:
-    """Who [n] of contact `normals` [n, K, 3] is held between a wall and an edge across from it: if nothing moves, one
-    has landed, and may jump out (Unreal's PhysFalling, where a move ends as it begins)."""
+def _between(normals: Floats) -> Bools:
+    """Which of contact `normals` [n, K, 3] are of a wall, and of something that carries across from it [n]."""
     flat, rises = normals[:, :, :2], normals[:, :, 2]
     walls = (np.abs(rises) < WALL_NZ) & (flat != 0.0).any(axis=2)
     length = np.hypot(flat[:, :, 0], flat[:, :, 1])

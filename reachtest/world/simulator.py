@@ -2,7 +2,7 @@
 
 Shape legend: B agents, n chosen agents. Positions are the feet.
 A state row is position [3], velocity [3], footing [1]: the footing is 0 in the air, 1 on the ground, and 1 + k
-while a step up is under way and has k control ticks left to find its ground.
+while a step up is under way and has k control ticks left to find its ground; -1 for the first tick of a jam in the air.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
 from reachtest.world.tunnelling import Barriers
 
 STATE_SIZE = 7
+JAMMED = -1.0  # footing of who was at rest between two sides for a tick: another one, and it has landed
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
 
 
@@ -154,7 +155,10 @@ class MujocoSimulator:
         walked = before & ~plan.jumped
         stands = self._controller.grounded(self._velocity, contacts, walked)
         self._limit_boost(plan, walked, stands)
+        jammed = self._controller.jammed(self._velocity, contacts, stands)
+        stands[jammed] = self._footing[jammed] != 0
         self._footing = np.where(stands, 1.0, walked * np.maximum(self._footing - 1.0, 0.0))
+        self._footing[jammed[~stands[jammed]]] = JAMMED
         if self.character.step_height_m > 0:
             self._follow_steps(plan, walked)
 
