@@ -13,9 +13,7 @@ from reachtest.navmesh.faces import FaceIndex
 from reachtest.records import Bools, Floats, Ints, NavMesh
 
 CLIMB_M = 0.6  # where the file does not say: above every preset's step, below the head room of any storey
-LEAST_CLIMB_M = (
-    0.25  # Godot's default: the borders of slopes and the float over floors are no more exact than cells
-)
+LEAST_CLIMB_M = 0.25  # Godot's default: slopes' borders and floats over floors are as exact as cells, no more
 ROUNDING_M = 0.02  # a step of just the climb is one that is climbed
 SPAWN_DOWN_M = 3.0  # a spawn may hang in the air
 SPAWN_REACH_M = 1.0  # or stand where erosion took the surface away

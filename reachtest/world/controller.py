@@ -24,7 +24,7 @@ STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact tak
 GROOVE_NZ = 0.2  # a normal with less of a vertical part carries nobody
 GROOVE_RISE = 0.05  # sine: in one that rises more one slides
 JAM_COS = 0.98  # what holds one against a wall faces it: else one slides along
-AT_REST_MPS = 0.1  # less than a third of what gravity gives in a tick
+AT_REST = 0.3  # of what gravity gives in a tick: who flies is not so slow for two in a row
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 
 
@@ -98,7 +98,7 @@ class Controller:
         tick everybody is at rest at the top of a jump.
         """
         ids = contacts.ids[~stands[contacts.ids]]
-        ids = ids[np.abs(velocity[ids]).max(axis=1, initial=0.0) < AT_REST_MPS]
+        ids = ids[np.abs(velocity[ids]).max(axis=1, initial=0.0) < AT_REST * self._g_dt]
         return ids[_between(contacts.normals[ids])] if len(ids) else ids
 
     def _in_groove(self, normals: Floats) -> Bools:

@@ -84,9 +84,8 @@ class Barriers:
         back = indices(~fits)
         if len(back):
             fitted = self._fits(ids[back], there[back])
-            there[back] = batch.position[
-                ids[back]
-            ]  # clear of all: as deep in something it would go the same way again
+            # Clear of all: as deep in something as it was it would go the same way again.
+            there[back] = batch.position[ids[back]]
             back = back[fitted]
         batch.position[ids], batch.velocity[ids[squeezed]] = here, 0.0
         batch.position[ids[back]], batch.velocity[ids[back]] = there[back], 0.0
