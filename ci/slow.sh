@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The long measurements behind the README's tables, run by hand: about an hour on 2 cores.
-# usage: ci/slow.sh [small | real | agreement | threads | gym | items | navmesh | risk]...   (default: all)
+# usage: ci/slow.sh [small | real | agreement | threads | gym | items | navmesh | risk | buildings]...   (default: all)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${REACHTEST_VENV:-.venv-check}/bin/python
@@ -10,7 +10,8 @@ for part in "${@:-all}"; do
     items) "$python" ci/items.py ;;
     navmesh) "$python" ci/navmesh_table.py ;;
     risk) "$python" ci/risk.py ;;
-    all) "$python" ci/measure.py all && "$0" gym items navmesh risk ;;
+    buildings) "$python" ci/buildings.py ;;
+    all) "$python" ci/measure.py all && "$0" gym items navmesh risk buildings ;;
     *) "$python" ci/measure.py "$part" ;;
   esac
 done

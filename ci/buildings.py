@@ -1,0 +1,179 @@
+"""Levels that nobody tuned the test on: random sealed buildings, in which next to nothing should be found.
+
+Rooms at different heights with doors, stairs, ramps and crates, turned by any angle and far from the origin, in any
+unit, up axis, file format and for any character that steps; the nav-mesh is built. Prints a Markdown table. What gates
+is to be looked at: nobody gets out, but two flights of stairs can enclose a pit. `--mutants N` plants bugs, too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import trimesh
+import yaml
+
+from reachtest import pipeline
+from reachtest.bench.mutants import measure_recall
+
+STEPS = 100_000
+THICK_M, SLAB_M, WALL_M = 0.4, 0.6, 3.5
+DOOR_M, TREAD_M, STEP_M, RAMP_DEG = 1.8, 0.35, 0.3, 30.0
+AROUND_M = 15.0  # below the lowest floor the world ends
+
+
+class Building:
+    """The pieces of one building, axis-aligned, z up, in metres."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.rng, self.pieces = rng, list[trimesh.Trimesh]()
+        self.size = rng.integers(3, 6, 2)
+        self.room_m = float(rng.uniform(6, 10))
+        self.floor = np.round(rng.integers(0, 4, self.size) * rng.choice([0.9, 1.2, 1.5]), 2)
+        self.top, self.bottom = self.floor.max() + WALL_M, self.floor.min() - SLAB_M
+        for room in np.ndindex(*self.size):
+            self._room(np.array(room))
+        for here, there, opens in self._borders():
+            self._border(here, there, opens)
+        self._walls_around()
+
+    def box(self, low: object, high: object) -> None:
+        """Add a box."""
+        low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+        piece = trimesh.creation.box(extents=high - low)
+        piece.apply_translation((low + high) / 2)
+        self.pieces.append(piece)
+
+    def spawn(self) -> np.ndarray:
+        """A place on a floor with nothing in the way."""
+        for room in np.ndindex(*self.size):
+            at = np.append(np.array(room) * self.room_m + [1.2, self.room_m / 2], self.floor[room] + 0.05)
+            low, high = at + [-0.6, -0.6, 0.05], at + [0.6, 0.6, 2.0]
+            if not any((p.bounds[0] < high).all() and (p.bounds[1] > low).all() for p in self.pieces):
+                return at
+        raise ValueError("no room has a free place")
+
+    def _room(self, room: np.ndarray) -> None:
+        low, z = room * self.room_m, self.floor[tuple(room)]
+        self.box([*low, z - SLAB_M], [*(low + self.room_m), z])
+        for _ in range(int(self.rng.integers(0, 4))):
+            corner, size = low + self.rng.uniform(1.8, self.room_m - 3.4, 2), self.rng.uniform(0.6, 1.6, 2)
+            self.box([*corner, z], [*(corner + size), z + self.rng.choice([0.3, 0.7, 1.0, 1.3])])
+
+    def _borders(self) -> list[tuple[np.ndarray, np.ndarray, bool]]:
+        """Rooms side by side, and whether a door is between: enough of them to get everywhere."""
+        rooms = [np.array(room) for room in np.ndindex(*self.size)]
+        pairs = [(a, a + step) for step in ([1, 0], [0, 1]) for a in rooms if (a + step < self.size).all()]
+        group = {tuple(room): number for number, room in enumerate(rooms)}
+        result = []
+        for number in self.rng.permutation(len(pairs)):
+            a, b = pairs[number]
+            one, other = group[tuple(a)], group[tuple(b)]
+            result.append((a, b, one != other or self.rng.random() < 0.25))
+            group = {room: one if own == other else own for room, own in group.items()}
+        return result
+
+    def _border(self, here: np.ndarray, there: np.ndarray, opens: bool) -> None:
+        axis = int(np.argmax(there - here))
+        at, start = there[axis] * self.room_m, here[1 - axis] * self.room_m
+        low, high = sorted((self.floor[tuple(here)], self.floor[tuple(there)]))
+
+        def slab(span: tuple[float, float], side: tuple[float, float], z: tuple[float, float]) -> None:
+            ends = [[s, u] if axis == 0 else [u, s] for s, u in zip(side, span, strict=True)]
+            self.box([*ends[0], z[0]], [*ends[1], z[1]])
+
+        wall, end = (at - THICK_M / 2, at + THICK_M / 2), start + self.room_m
+        if not opens:
+            slab((start, end), wall, (low - SLAB_M, self.top))
+            return
+        door = start + float(self.rng.choice([0.6, self.room_m - 0.6 - DOOR_M]))
+        slab((start, door), wall, (low - SLAB_M, self.top))
+        slab((door + DOOR_M, end), wall, (low - SLAB_M, self.top))
+        slab((door, door + DOOR_M), wall, (low - SLAB_M, high))  # the sill
+        away = -1.0 if self.floor[tuple(here)] < self.floor[tuple(there)] else 1.0
+        steps, stairs = int(np.ceil((high - low) / STEP_M)), self.rng.random() < 0.5
+        tread = TREAD_M if stairs else (high - low) / max(steps, 1) / np.tan(np.radians(RAMP_DEG)) / 8
+        for k in range(1, steps if stairs else 8 * steps):  # a ramp is stairs of 4 cm or less
+            z = high - (high - low) * k / (steps if stairs else 8 * steps)
+            side = sorted(at + away * (THICK_M / 2 + tread * np.array([k - 1, k])))
+            slab((door, door + DOOR_M), (side[0], side[1]), (low - 0.3, z))
+
+    def _walls_around(self) -> None:
+        half, (x, y) = THICK_M / 2, self.size * self.room_m
+        for low, high in (
+            ((-half, -half), (half, y + half)), ((x - half, -half), (x + half, y + half)),
+            ((-half, -half), (x + half, half)), ((-half, y - half), (x + half, y + half)),
+        ):  # fmt: skip
+            self.box([*low, self.bottom], [*high, self.top])
+
+
+def write_building(seed: int, folder: Path) -> Path:
+    """Write a building's mesh and level file; the same for the same seed."""
+    rng = np.random.default_rng(seed)
+    building = Building(rng)
+    place = trimesh.transformations.rotation_matrix(rng.uniform(0, 2 * np.pi), [0, 0, 1])
+    place[:3, 3] = [*rng.uniform(-2000, 2000, 2), rng.uniform(-50, 50)]
+    units, up, suffix = (
+        str(rng.choice(some)) for some in (["m", "cm"], ["y", "z"], ["obj", "glb", "stl", "ply"])
+    )
+    if up == "y":
+        place = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]) @ place
+    place = np.diag([100.0, 100.0, 100.0, 1.0] if units == "cm" else [1.0] * 4) @ place
+    mesh = trimesh.util.concatenate(building.pieces)
+    mesh.apply_transform(place)
+    mesh.export(folder / f"building.{suffix}")
+    lowest = mesh.bounds[0][1 if up == "y" else 2] / (100 if units == "cm" else 1)
+    axes = {"up_axis": up, "units": units}
+    level = {
+        "version": 1,
+        "name": f"building {seed}",
+        "frame": axes,
+        "geometry": [{"mesh": f"building.{suffix}", **axes}],
+        "navmesh": {"build": {"min_island_m2": 1.0}},  # corners between flights are small
+        "character": str(rng.choice(["unreal", "unity", "quake3"])),
+        "spawns": [{"name": "start", "position": (place @ np.append(building.spawn(), 1.0))[:3].tolist()}],
+        "kill_z_m": float(lowest - AROUND_M),
+        "explore": {"steps": STEPS},
+    }
+    path = folder / "level.yaml"
+    path.write_text(yaml.safe_dump(level))
+    return path
+
+
+def main() -> None:
+    """Print a row for each building."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=12)
+    parser.add_argument("--mutants", type=int, default=0, help="bugs planted in each")
+    options = parser.parse_args()
+    print(
+        "| building | character | verdict | goals | what gates | planted bugs found |\n|---|---|---|---|---|---|"
+    )
+    for seed in range(options.first, options.first + options.count):
+        with tempfile.TemporaryDirectory() as folder:
+            path = write_building(seed, Path(folder))
+            who = yaml.safe_load(path.read_text())["character"]
+            run = pipeline.RunOptions(path, out=Path(folder) / "out", seed=0)
+            report, _ = pipeline.run(pipeline.load(run), run)
+            gates = [
+                f"{finding.kind} at {np.round(finding.position, 1).tolist()}"
+                for finding in report.findings
+                if finding.gating
+            ]
+            reached = int((report.exploration.goal_step >= 0).sum())
+            found = ""
+            if options.mutants:
+                recall = measure_recall(path, options.mutants, 0, None)
+                found = f"{recall.row()[1]} of {recall.row()[0]}"
+        print(
+            f"| {seed} | {who} | {report.verdict.name} | {reached} of {len(report.exploration.goals)} |",
+            end=" ",
+        )
+        print(f"{', '.join(gates)} | {found} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
