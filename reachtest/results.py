@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import ErrorDetails
 
 from reachtest.baseline.gone import Look
-from reachtest.baseline.place import Place
+from reachtest.baseline.place import Place, is_remark
 from reachtest.errors import BadInput, Problem
 from reachtest.records import KINDS, SATURATED_RISK
 
@@ -58,7 +58,7 @@ class FoundBefore(_Part):
         """Where it is."""
         low, high = np.array(self.bounds, dtype=np.float64)
         exits = np.array(self.known_exits, dtype=np.float64).reshape(-1, 3)
-        return Place(self.id, self.kind, low, high, exits)
+        return Place(self.id, self.kind, low, high, exits, is_remark(self))
 
 
 class _Level(_Part):

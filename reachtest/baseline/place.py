@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -34,6 +35,7 @@ class Place:
     low: Floats  # [3] m
     high: Floats  # [3] m
     exits: Floats  # [e, 3] m; e = 0 where no path left the nav-mesh
+    remark: bool = False  # on islands that nothing connects: one box around them all, which fails nothing
 
     @classmethod
     def of(cls, finding: Finding) -> Place:
@@ -41,7 +43,7 @@ class Place:
         exits = finding.exits
         if exits is None:
             exits = np.empty((0, 3)) if finding.exit_point is None else finding.exit_point[None]
-        return cls(finding.id, finding.kind, finding.low, finding.high, exits)
+        return cls(finding.id, finding.kind, finding.low, finding.high, exits, is_remark(finding))
 
     def joined(self, other: Place) -> Place:
         """Both places of one bug together."""
@@ -49,12 +51,30 @@ class Place:
         return replace(self, low=low, high=high, exits=np.concatenate([self.exits, other.exits]))
 
 
+class _Told(Protocol):
+    """A finding, of this run or of a report."""
+
+    @property
+    def kind(self) -> str: ...
+    @property
+    def gating(self) -> bool: ...
+    @property
+    def suppressed_by(self) -> str | None: ...
+
+
+def is_remark(finding: _Told) -> bool:
+    """Whether a finding tells of what nobody gets to, and would fail nothing if it were not known, either."""
+    return finding.kind == "unreached_area" and not finding.gating and finding.suppressed_by is None
+
+
 def gap_m(found: Place, known: Place) -> float:
     """How far apart two bugs are [m]; infinite where `found` cannot be what is known.
 
     They are of one kind, but that who fell out of a known hole may only be seen standing beyond it in another run.
-    A fall where only standing was known is worse, and new.
+    A fall where only standing was known is worse, and new; so is a part cut off where islands never were connected.
     """
+    if known.remark and not found.remark:
+        return np.inf
     if found.kind != known.kind and (found.kind, known.kind) != ("unexpected_area", "fell_out_of_world"):
         return np.inf
     if found.kind in NAMED:

@@ -44,7 +44,7 @@ def compare(old: Result, new: Result) -> Difference:
         raise BadInput([Problem(new.name, found, "give two runs of one level")])
     before, after = old.report.findings, new.report.findings
     places = tuple(finding.place for finding in after)
-    seen = _seen(before, after)
+    seen = match(places, [finding.place for finding in before])
     gone = [finding for i, finding in enumerate(before) if i not in seen]
     worse, fixed, not_seen = _became(gone, old, new, new.report.look(places, new_ones(places, seen)))
     unreachable = reachable = None
@@ -65,24 +65,6 @@ def compare(old: Result, new: Result) -> Difference:
         reachable=reachable,
         may_be_chance=not (old.report.saturated and new.report.saturated),
     )
-
-
-def _seen(before: Sequence[FoundBefore], after: Sequence[FoundBefore]) -> list[int | None]:
-    """For each of `after` the index of the one of `before` that it is; None where it is new.
-
-    Islands that nothing connects are one remark with a box around them all: a part that nobody gets to any more,
-    and that fails the build, is not that.
-    """
-    seen: list[int | None] = [None] * len(after)
-    cut_off = [finding.kind == "unreached_area" and finding.gating for finding in after]
-    remark = [f.kind == "unreached_area" and not f.gating and f.suppressed_by is None for f in before]
-    for gates in (True, False):
-        rows = [row for row, this in enumerate(cut_off) if this == gates]
-        columns = [column for column, this in enumerate(remark) if not (gates and this)]
-        found = match([after[row].place for row in rows], [before[column].place for column in columns])
-        for row, column in zip(rows, found, strict=True):
-            seen[row] = None if column is None else columns[column]
-    return seen
 
 
 def _became(

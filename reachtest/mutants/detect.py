@@ -20,17 +20,10 @@ def found_by(
     mutant: Mutant, change: Change, findings: Sequence[Finding], without: Sequence[Finding]
 ) -> Finding | None:
     """The finding that tells the mutant, of those that the unmutated level does not give; None: it was missed."""
-    new = [finding for finding in findings if _is_new(finding, findings, without)]
+    known = match([Place.of(f) for f in findings], [Place.of(f) for f in without])
+    new = [finding for finding, old in zip(findings, known, strict=True) if old is None]
     telling = [finding for finding in new if finding.kind in mutant.expected and _at(mutant, change, finding)]
     return min(telling, key=lambda finding: mutant.expected.index(finding.kind), default=None)
-
-
-def _is_new(finding: Finding, findings: Sequence[Finding], without: Sequence[Finding]) -> bool:
-    """Whether the run without the mutant did not say it; what gates is no mere remark that was there before."""
-    same = [one for one in findings if one.gating == finding.gating]
-    before = [one for one in without if one.gating or not finding.gating]
-    known = match([Place.of(one) for one in same], [Place.of(one) for one in before])
-    return any(one is finding and old is None for one, old in zip(same, known, strict=True))
 
 
 def unreached_in(change: Change, goals: Floats, reached: Bools) -> int:
