@@ -23,7 +23,6 @@ from reachtest.world.contacts import WALL_NZ, Contacts
 STICK_MPS = 0.02  # towards the ground, so that contact is kept; the contact takes it up
 GROOVE_NZ = 0.2  # a normal with less of a vertical part carries nobody
 GROOVE_RISE = 0.05  # sine: in one that rises more one slides
-JAM_COS = 0.98  # what holds one against a wall faces it: else one slides along
 AT_REST = 0.3  # of what gravity gives in a tick: who flies is not so slow for two in a row
 LEAVING_MPS = 0.5  # faster away from a surface than this is a jump, not a landing
 
@@ -92,14 +91,14 @@ class Controller:
         return touches
 
     def jammed(self, velocity: Floats, contacts: Contacts, stands: Bools) -> Ints:
-        """Who [n] of those that do not stand [B] is held between a wall and an edge across from it, as nothing moves.
+        """Who [n] of those that do not stand [B] is held up by something in a slot, a crevice or a funnel.
 
-        If that lasts, one has landed, and may jump out (Unreal's PhysFalling, where a move ends as it begins); for a
-        tick everybody is at rest at the top of a jump.
+        Nothing moves. If that lasts, one has landed, and may jump out (Unreal's PhysFalling, where a move ends as it
+        begins); for a tick everybody is at rest at the top of a jump.
         """
         ids = contacts.ids[~stands[contacts.ids]]
         ids = ids[np.abs(velocity[ids]).max(axis=1, initial=0.0) < AT_REST * self._g_dt]
-        return ids[_between(contacts.normals[ids])] if len(ids) else ids
+        return ids[(contacts.normals[ids, :, 2] > GROOVE_NZ).any(axis=1)]
 
     def _in_groove(self, normals: Floats) -> Bools:
         """Who [n] of contact `normals` [n, K, 3] is carried by two sides of a level groove, none of them walkable: the
@@ -147,17 +146,6 @@ class Controller:
         has = steepest > -np.inf
         target[:, 2] = np.where(has, steepest, -STICK_MPS)
         target -= (STICK_MPS * has)[:, None] * normals[rows, best]
-
-
-def _between(normals: Floats) -> Bools:
-    """Which of contact `normals` [n, K, 3] are of a wall, and of something that carries across from it [n]."""
-    flat, rises = normals[:, :, :2], normals[:, :, 2]
-    walls = (np.abs(rises) < WALL_NZ) & (flat != 0.0).any(axis=2)
-    length = np.hypot(flat[:, :, 0], flat[:, :, 1])
-    across = flat @ flat.transpose(0, 2, 1) < -JAM_COS * length[:, :, None] * length[:, None, :]
-    return np.asarray(
-        (across & (rises > GROOVE_NZ)[:, :, None] & walls[:, None, :]).any(axis=(1, 2)), dtype=np.bool_
-    )
 
 
 def cut_by_obstacles(velocity: Floats, flat: Floats) -> Floats:

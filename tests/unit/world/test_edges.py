@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -185,3 +187,31 @@ def test_nobody_climbs_a_slot_by_the_ledges_in_it(width: float, ledge: float) ->
         at = simulator.save()
         highest = np.maximum(highest, np.where(np.abs(at[:, 0]) < 3, at[:, 2], 0.0))
     assert highest.max() < 0.95
+
+
+def funnel(degrees: list[float]) -> Level:
+    """An inverted pyramid: a side at each slope."""
+    up, planes = 4.0, []
+    ways = np.radians(np.arange(len(degrees)) * 360 / len(degrees) + 17)
+    for way, slope in zip(ways, np.radians(degrees), strict=True):
+        out, along = np.array([np.cos(way), np.sin(way), 0]), np.array([-np.sin(way), np.cos(way), 0])
+        top = out * up / np.tan(slope) + [0, 0, up]
+        planes.append([np.zeros(3), top - along * 12, top + along * 12])
+    return level(np.array(planes), kill_z_m=-60)
+
+
+@pytest.mark.parametrize("degrees", [[60, 60, 60], [55, 65, 75], [60, 75, 75], [50, 50, 50, 50, 50]], ids=str)
+@pytest.mark.parametrize("finer", [1, 2])
+def test_who_is_held_by_steep_sides_may_jump(degrees: list[float], finer: int) -> None:
+    """The foot of three rocks, the corner of a house and a rock: not a groove, and one lies still in it."""
+    explore = ExploreSettings(physics_hz=30 * finer, action_repeat=4 * finer)
+    simulator = MujocoSimulator(replace(funnel(degrees), explore=explore), 8)
+    simulator.restore(np.arange(8), simulator.place(np.tile([0.05, 0.0, 1.5], (8, 1))))
+    for _ in range(40):
+        simulator.step(np.zeros((8, 2), dtype=np.int8))
+    rests, highest = simulator.save()[:, 2], simulator.save()[:, 2]
+    assert (simulator.save()[:, 6] > 0).all()
+    for _ in range(8):
+        simulator.step(np.tile(np.array([0, 1], dtype=np.int8), (8, 1)))
+        highest = np.maximum(highest, simulator.save()[:, 2])
+    assert (highest > rests + 0.4).all()
