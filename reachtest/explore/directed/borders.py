@@ -24,15 +24,15 @@ from reachtest.explore.directed.leaps import Leaps
 from reachtest.explore.directed.places import NOWHERE, Places, outermost
 from reachtest.explore.directed.pushes import Pushes
 from reachtest.explore.directed.turns import in_turns, least_tried
-from reachtest.records import Candidates, Character, ExploreSettings, Floats, Ints
+from reachtest.records import Bools, Candidates, Character, ExploreSettings, Floats, Ints
 
 NEAR_M = 2.0  # a start is no farther than that from its place: it is pushed at, not walked to
 BESIDE_M = 0.7  # off the nav-mesh: erosion at a wall is less, a crate that takes a jump is more
 JUMPING_SHARE = 0.5  # of the pushes: gaps are walked through, low walls and crates are jumped onto
 AIMED_SHARE = 0.75  # of the leaps over gaps
-OUTER, INNER, BESIDE, GAP = KINDS = range(4)  # of rows
+OUTER, INNER, BESIDE, GAP, FLOOR = KINDS = range(5)  # of rows; a FLOOR is a gap to what the nav-mesh lacks
 # Whose turn it is, lane after lane: most ways out are at the world's end.
-TURNS = (OUTER, GAP, BESIDE, OUTER, GAP, INNER)
+TURNS = (OUTER, GAP, BESIDE, OUTER, GAP, INNER, FLOOR)
 _ALL_WAYS = np.arange(1, HEADINGS + 1)
 
 
@@ -51,7 +51,8 @@ class Borders:
         self._heading = np.concatenate([along.headings, before.headings])  # [R]
         self._target = np.concatenate([along.target, before.target])  # [R]
         outer = np.where(outermost(along.positions, along.headings), OUTER, INNER)
-        self._kind = np.concatenate([outer, np.full(rows - n, GAP)])  # [R]
+        leaps = np.where(before.target < gaps.own, GAP, FLOOR)
+        self._kind = np.concatenate([outer, leaps])  # [R]
         self._start: Ints = np.full(rows, -1, dtype=np.int64)  # [R] cached point; -1: none near, or a gap
         self._tried: Ints = np.zeros(rows, dtype=np.int64)  # [R] lanes that were sent
         self._pushes = Pushes(along)
@@ -70,7 +71,7 @@ class Borders:
         self._look_at_new(cache.positions, candidates)
         crossed = (self._target != NOWHERE) & self._footholds.stood[self._target]
         startable = self._start >= 0
-        startable[self._kind == GAP] = self._leaps.has_start
+        startable[self._is_gap] = self._leaps.has_start
         startable &= ~crossed
         kinds = [np.flatnonzero(startable & (self._kind == kind)) for kind in KINDS]
         turns = [kind for kind in TURNS if len(kinds[kind])]
@@ -82,7 +83,7 @@ class Borders:
         )
         np.add.at(self._tried, rows, 1)
         how = np.where(rng.random(len(rows)) < JUMPING_SHARE, HEADINGS, 0)
-        how[self._kind[rows] == GAP] = LEAPS
+        how[self._is_gap[rows]] = LEAPS
         starts, headings = self._start[rows], self._heading[rows] + how
         self._leap(rng, rows, starts, headings)
         return Aim(starts, headings, rows)
@@ -91,7 +92,7 @@ class Borders:
         """Over the gaps among `rows` [B], in place. Most of the leaps are aimed; the others find what flights over
         nothing do not."""
         aimed = rng.random(len(rows)) < AIMED_SHARE
-        for lane in np.flatnonzero(self._kind[rows] == GAP).tolist():
+        for lane in np.flatnonzero(self._is_gap[rows]).tolist():
             gap = int(rows[lane]) - len(self._along.positions)
             leap = self._leaps.draw(rng, gap) if aimed[lane] else None
             starts[lane], headings[lane] = leap or (self._leaps.any_start(rng, gap), headings[lane])
@@ -110,7 +111,7 @@ class Borders:
         pushes = np.append(self._pushes.counts, 0)[np.minimum(rows, len(self._pushes.counts))]
         tries, chance = self._tried[rows], 1e-6 * rng.random(len(rows))
         rank = tries + (1.0 - 1.0 / (1.0 + pushes)) + chance
-        if kind == GAP:
+        if kind in (GAP, FLOOR):
             _, target = np.unique(self._target[rows], return_inverse=True)
             return rows[in_turns(rank, target, np.bincount(target, weights=tries), lanes)]
         return rows[least_tried(rank, lanes)]
@@ -130,6 +131,10 @@ class Borders:
         self._kind = np.append(self._kind, np.full(count, BESIDE))
         self._target = np.append(self._target, np.full(count, NOWHERE))
         self._tried = np.append(self._tried, np.zeros(count, dtype=np.int64))
+
+    @property
+    def _is_gap(self) -> Bools:
+        return self._kind >= GAP
 
     def _bring_nearer(self, positions: Floats, who: Ints) -> None:
         """Let places start from cached points `who` [m] at `positions` [m, 3] where those are nearer than before."""

@@ -19,6 +19,7 @@ LANDING_M = 0.4  # behind a gap: not on the very edge
 DROP_M = 5.0  # the other side of a gap may lie so much lower
 AT_ONCE = 4096  # pieces of the border: a city has many pairs of them
 FLOAT_M = 0.1  # a nav-mesh floats, here less and there more
+ONTO_FLOOR = 4  # gaps from an island to a floor off the nav-mesh, the shortest: there are many floors
 
 
 @dataclass(frozen=True)
@@ -28,14 +29,21 @@ class Gaps:
     places: Places  # at the edge on this side
     outwards: Floats  # [n, 2] straight over that edge
     landings: tuple[Floats, ...]  # n of [k, 3] a little way into the nav-mesh beyond, the nearest first
+    own: int  # islands of the nav-mesh: those from there on are floors off it
 
 
-def places_to_push(islands: Islands, connected: Bools, who: Character) -> tuple[Places, Gaps]:
-    """Along the border of the `connected` islands [I] and of those that jumps may lead to from there; and all gaps."""
+def places_to_push(
+    islands: Islands, connected: Bools, who: Character, own: int | None = None
+) -> tuple[Places, Gaps]:
+    """Along the border of the `connected` islands [I] and of those that jumps may lead to from there; and all gaps.
+
+    Of the islands the first `own` are the nav-mesh's (all, by default), and only those have a border.
+    """
+    own = islands.count if own is None else own
     pieces = pieces_of(islands)
     start, end = _leaps(pieces, connected, who)
     reached = _reached(connected, pieces.island[start], pieces.island[end])
-    return along(pieces).on(reached), _gaps(pieces, start, end)
+    return along(pieces.of(pieces.island < own)).on(reached), _gaps(pieces, start, end, own)
 
 
 def jump_carries(who: Character, away: Floats) -> Bools:
@@ -60,7 +68,7 @@ def flight_s(who: Character, rise_m: Floats | float) -> Floats:
     return np.asarray(seconds, dtype=np.float64)
 
 
-def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
+def _gaps(pieces: Pieces, start: Ints, end: Ints, own: int) -> Gaps:
     """Of pieces `start` [N] in a cell the one from which the way to an island, to pieces `end` [N], is shortest."""
     away = pieces.middles[end] - pieces.middles[start]
     order = np.lexsort((np.linalg.norm(away, axis=1), pieces.island[end], start))
@@ -70,6 +78,8 @@ def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
     cell, _ = cells_of(pieces.middles[start[first]])
     far = np.linalg.norm(away[first], axis=1)
     kept = first_of(np.column_stack([cell, pair[first, 1]]), far, start[first])
+    between = np.column_stack([pieces.island[start[first[kept]]], pair[first[kept], 1]])
+    kept = kept[(between[:, 1] < own) | _among_nearest(between, far[kept])]
     begin, stop = first[kept], np.append(first, len(pair))[kept + 1]
     edge = start[begin]
     ways = away[begin, :2]
@@ -81,7 +91,18 @@ def _gaps(pieces: Pieces, start: Ints, end: Ints) -> Gaps:
         Places(pieces.middles[edge], heading_of(ways), pieces.island[edge], pair[begin, 1]),
         pieces.outwards[edge],
         tuple(inside[one:last] for one, last in zip(begin.tolist(), stop.tolist(), strict=True)),
+        own,
     )
+
+
+def _among_nearest(between: Ints, far: Floats) -> Bools:
+    """Which of the gaps [n], each `between` two islands [n, 2] and so `far` [n], are among the shortest of the two."""
+    order = np.lexsort((far, between[:, 1], between[:, 0]))
+    new = np.append(True, (between[order][1:] != between[order][:-1]).any(axis=1))[: len(order)]
+    place = np.arange(len(order))
+    result = np.zeros(len(order), dtype=np.bool_)
+    result[order] = place - np.maximum.accumulate(np.where(new, place, 0)) < ONTO_FLOOR
+    return result
 
 
 def _reached(connected: Bools, start: Ints, end: Ints) -> Bools:

@@ -54,7 +54,8 @@ class Leaps:
         away = np.abs(before.positions[pairs["j"]] - positions[start])
         slope = away[:, 2] <= np.hypot(away[:, 0], away[:, 1]) + STOREY_M
         on_it = (on[start] == before.island[pairs["j"]]) & slope
-        beside = (on[start] == NOWHERE) & (away[:, 2] <= STOREY_M)
+        off = (on[start] == NOWHERE) | (on[start] >= self._gaps.own)
+        beside = off & (away[:, 2] <= STOREY_M)
         pairs = np.sort(pairs[still[start] & (on_it | beside)], order=("i", "j"))
         for point, gap in zip(pairs["i"].tolist(), pairs["j"].tolist(), strict=True):
             if len(self._points[gap]) < MOST_STARTS:

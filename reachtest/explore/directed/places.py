@@ -43,6 +43,10 @@ class Pieces:
     outwards: Floats  # [p, 2]
     island: Ints  # [p]
 
+    def of(self, kept: Bools) -> Pieces:
+        """Those to keep [p]."""
+        return Pieces(self.middles[kept], self.outwards[kept], self.island[kept])
+
 
 def pieces_of(islands: Islands) -> Pieces:
     """The border of the nav-mesh."""
