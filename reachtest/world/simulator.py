@@ -58,8 +58,9 @@ class MujocoSimulator:
             *split_terrain(level), level.character, self._dt, spawns, agents, threads, tile_pieces, tiles_mb
         )
         self._footwork = Footwork(level.character, self._controller.slope_cos, self._batch, columns)
-        self._barriers = Barriers(self._batch, columns, self._controller.slope_cos, self._dt)
-        self._landings = Landings(self._batch, self._controller.slope_cos, level.character.radius_m)
+        slope_cos, radius_m = self._controller.slope_cos, level.character.radius_m
+        self._barriers = Barriers(self._batch, columns, slope_cos, self._dt, radius_m)
+        self._landings = Landings(self._batch, slope_cos, radius_m)
         self._ticks_to_land = np.ceil(STEP_S / self._dt)
         self._footing = np.zeros(agents)
         self.use(agents)

@@ -16,6 +16,7 @@ from reachtest.records import Bools, Floats, Ints
 from reachtest.world.tiled_batch import TiledBatch
 
 SAFE_DROP_M = 0.3  # less than the lower half of any capsule: contacts still push it up
+SAFE_RISE = 0.8  # of the radius: where a floor rises more, the middle of the round end gets behind it
 LOOKS = np.linspace(0.0, 1.0, 5)  # at the way of a fast fall within a tick
 DOUBTFUL_M = 0.009  # so deep in a side one may be in an opening that is 2 cm too narrow
 CLEAR_M = 0.005  # less deep in something is beside it
@@ -28,9 +29,12 @@ MOVES_OUT = 5  # one after the other, out of what one is deepest in: enough for 
 class Barriers:
     """Keeps the characters of a batch on their side of floors and walls."""
 
-    def __init__(self, batch: TiledBatch, columns: ColumnIndex, slope_cos: float, timestep_s: float) -> None:
+    def __init__(
+        self, batch: TiledBatch, columns: ColumnIndex, slope_cos: float, timestep_s: float, radius_m: float
+    ) -> None:
         """`columns` tells where there are floors; what is walkable has a normal z of at least `slope_cos`."""
         self._batch, self._columns, self._slope_cos, self._dt = batch, columns, slope_cos, timestep_s
+        self._safe_rise_m = SAFE_RISE * radius_m
 
     def stop_at_floors(self, velocity: Floats) -> None:
         """No fall into or through a floor: who would fall past one within the tick falls onto it; `velocity` [B, 3]
@@ -46,20 +50,21 @@ class Barriers:
         way = begin[:, None] + LOOKS[None, :, None] * move[:, None]  # [n, looks, 3]
         passed = np.concatenate([way[:, :1, 2], way[:, :-1, 2]], axis=1)  # how high it was a look before
         way[:, :, 2] = begin[:, None, 2]
-        floor = self._columns.highest(way.reshape(-1, 3), np.repeat(-move[:, 2], len(LOOKS)), 0.0)[0]
+        above = np.where(LOOKS > 0.0, 0.0, self._safe_rise_m)  # one is on a steep floor that is over the feet
+        down, up = np.repeat(-move[:, 2], len(LOOKS)), np.tile(above, len(ids))
+        floor = self._columns.highest(way.reshape(-1, 3), down, up)[0]
         floor = floor.reshape(passed.shape)
         met = np.isfinite(floor)
-        first = met.argmax(axis=1)
         rows = indices(met.any(axis=1))
-        first, ids, floor, passed = (
-            first[rows],
-            ids[rows],
-            floor[rows, first[rows]],
-            passed[rows, first[rows]],
-        )
-        onto = floor <= passed
-        velocity[ids[onto], 2] = (floor[onto] - begin[rows[onto], 2]) / self._dt
-        velocity[ids[~onto], :2] *= LOOKS[first[~onto] - 1, None]  # into its side
+        ids, floor, passed, first = ids[rows], floor[rows], passed[rows], met[rows].argmax(axis=1)
+        at = np.arange(len(rows)), first
+        onto = floor[at] <= passed[at] + above[first]
+        drop = np.minimum(floor[at][onto] - begin[rows[onto], 2], 0.0)
+        velocity[ids[onto], 2] = drop / self._dt
+        # No farther than before its side, or up to where it rises steeply.
+        rising = onto[:, None] & (floor > floor[at][:, None] + self._safe_rise_m)
+        last = np.where(rising.any(axis=1), rising.argmax(axis=1) - 1, len(LOOKS) - 1)
+        velocity[ids, :2] *= LOOKS[np.where(onto, last, first - 1), None]
 
     def back_out(self, came_from: Floats) -> None:
         """Put who is where it does not fit, or was halfway there, back to where it came from [B, 3].

@@ -10,7 +10,7 @@ import pytest
 from reachtest.levels import PRESETS
 from reachtest.records import Character, ExploreSettings, Floats, Level
 from reachtest.world import MujocoSimulator
-from tests.levels import EAST, FLOOR, NORTH_EAST, box, level
+from tests.levels import EAST, FLOOR, NORTH_EAST, box, level, slope
 
 
 def rummage(simulator: MujocoSimulator, begin: np.ndarray, steps: int, eastwards: float) -> np.ndarray:
@@ -193,9 +193,9 @@ def funnel(degrees: list[float]) -> Level:
     """An inverted pyramid: a side at each slope."""
     up, planes = 4.0, []
     ways = np.radians(np.arange(len(degrees)) * 360 / len(degrees) + 17)
-    for way, slope in zip(ways, np.radians(degrees), strict=True):
+    for way, steep in zip(ways, np.radians(degrees), strict=True):
         out, along = np.array([np.cos(way), np.sin(way), 0]), np.array([-np.sin(way), np.cos(way), 0])
-        top = out * up / np.tan(slope) + [0, 0, up]
+        top = out * up / np.tan(steep) + [0, 0, up]
         planes.append([np.zeros(3), top - along * 12, top + along * 12])
     return level(np.array(planes), kill_z_m=-60)
 
@@ -215,3 +215,20 @@ def test_who_is_held_by_steep_sides_may_jump(degrees: list[float], finer: int) -
         simulator.step(np.tile(np.array([0, 1], dtype=np.int8), (8, 1)))
         highest = np.maximum(highest, simulator.save()[:, 2])
     assert (highest > rests + 0.4).all()
+
+
+@pytest.mark.parametrize("who", PRESETS)
+@pytest.mark.parametrize("degrees", [52, 58, 64, 70])
+def test_nobody_falls_through_a_steep_slope(who: str, degrees: float) -> None:
+    """It rises more within a tick of flight than the round end is high above its middle: one came out behind it."""
+    c, n, rng = PRESETS[who], 256, np.random.default_rng(1)
+    where = level(slope(degrees, 60, 200), box([-200, -100, -1], [0, 100, 0]), character=c, kill_z_m=-60)
+    simulator = MujocoSimulator(where, n)
+    states = simulator.place(
+        np.column_stack([rng.uniform(-8, -1, n), rng.uniform(-50, 50, n), rng.uniform(8, 40, n)])
+    )
+    states[:, 3], states[:, 5] = rng.uniform(0.7, 1.0, n) * c.walk_speed_mps, -rng.uniform(0, 25, n)
+    simulator.restore(np.arange(n), states)
+    for _ in range(40):
+        simulator.step(np.tile(np.array([EAST, 0], dtype=np.int8), (n, 1)))
+        assert (simulator.save()[:, 2] > -0.5).all()
