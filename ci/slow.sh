@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The long measurements behind the README's tables, run by hand: about an hour on 2 cores.
-# usage: ci/slow.sh [small | real | agreement | threads | gym | items | navmesh | risk | buildings]...   (default: all)
+# usage: ci/slow.sh [small | real | agreement | threads | gym | items | navmesh | risk | unseen]...   (default: all)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${REACHTEST_VENV:-.venv-check}/bin/python
@@ -10,8 +10,8 @@ for part in "${@:-all}"; do
     items) "$python" ci/items.py ;;
     navmesh) "$python" ci/navmesh_table.py ;;
     risk) "$python" ci/risk.py ;;
-    buildings) "$python" ci/buildings.py ;;
-    all) "$python" ci/measure.py all && "$0" gym items navmesh risk buildings ;;
+    unseen) "$python" ci/unseen ;;
+    all) "$python" ci/measure.py all && "$0" gym items navmesh risk unseen ;;
     *) "$python" ci/measure.py "$part" ;;
   esac
 done

@@ -1,27 +1,19 @@
-"""Levels that nobody tuned the test on: random sealed buildings, in which next to nothing should be found.
-
-Rooms at different heights with doors, stairs, ramps and crates, turned by any angle and far from the origin, in any
-unit, up axis, file format and for any character that steps; the nav-mesh is built. Prints a Markdown table. What gates
-is to be looked at: nobody gets out, but two flights of stairs can enclose a pit. `--mutants N` plants bugs, too.
-"""
+"""Buildings: rooms at different heights with doors, stairs, ramps and crates."""
 
 from __future__ import annotations
 
-import argparse
-import tempfile
-from pathlib import Path
-
 import numpy as np
 import trimesh
-import yaml
+from shapes import box
 
-from reachtest import pipeline
-from reachtest.bench.mutants import measure_recall
-
-STEPS = 100_000
 THICK_M, SLAB_M, WALL_M = 0.4, 0.6, 3.5
 DOOR_M, TREAD_M, STEP_M, RAMP_DEG = 1.8, 0.35, 0.3, 30.0
-AROUND_M = 15.0  # below the lowest floor the world ends
+
+
+def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
+    """The pieces of a building, and a place in it to start from [3]."""
+    building = Building(rng)
+    return building.pieces, building.spawn()
 
 
 class Building:
@@ -41,10 +33,7 @@ class Building:
 
     def box(self, low: object, high: object) -> None:
         """Add a box."""
-        low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
-        piece = trimesh.creation.box(extents=high - low)
-        piece.apply_translation((low + high) / 2)
-        self.pieces.append(piece)
+        self.pieces.append(box(low, high))
 
     def spawn(self) -> np.ndarray:
         """A place on a floor with nothing in the way."""
@@ -107,73 +96,3 @@ class Building:
             ((-half, -half), (x + half, half)), ((-half, y - half), (x + half, y + half)),
         ):  # fmt: skip
             self.box([*low, self.bottom], [*high, self.top])
-
-
-def write_building(seed: int, folder: Path) -> Path:
-    """Write a building's mesh and level file; the same for the same seed."""
-    rng = np.random.default_rng(seed)
-    building = Building(rng)
-    place = trimesh.transformations.rotation_matrix(rng.uniform(0, 2 * np.pi), [0, 0, 1])
-    place[:3, 3] = [*rng.uniform(-2000, 2000, 2), rng.uniform(-50, 50)]
-    units, up, suffix = (
-        str(rng.choice(some)) for some in (["m", "cm"], ["y", "z"], ["obj", "glb", "stl", "ply"])
-    )
-    if up == "y":
-        place = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]) @ place
-    place = np.diag([100.0, 100.0, 100.0, 1.0] if units == "cm" else [1.0] * 4) @ place
-    mesh = trimesh.util.concatenate(building.pieces)
-    mesh.apply_transform(place)
-    mesh.export(folder / f"building.{suffix}")
-    lowest = mesh.bounds[0][1 if up == "y" else 2] / (100 if units == "cm" else 1)
-    axes = {"up_axis": up, "units": units}
-    level = {
-        "version": 1,
-        "name": f"building {seed}",
-        "frame": axes,
-        "geometry": [{"mesh": f"building.{suffix}", **axes}],
-        "navmesh": {"build": {"min_island_m2": 1.0}},  # corners between flights are small
-        "character": str(rng.choice(["unreal", "unity", "quake3"])),
-        "spawns": [{"name": "start", "position": (place @ np.append(building.spawn(), 1.0))[:3].tolist()}],
-        "kill_z_m": float(lowest - AROUND_M),
-        "explore": {"steps": STEPS},
-    }
-    path = folder / "level.yaml"
-    path.write_text(yaml.safe_dump(level))
-    return path
-
-
-def main() -> None:
-    """Print a row for each building."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--count", type=int, default=12)
-    parser.add_argument("--mutants", type=int, default=0, help="bugs planted in each")
-    options = parser.parse_args()
-    print(
-        "| building | character | verdict | goals | what gates | planted bugs found |\n|---|---|---|---|---|---|"
-    )
-    for seed in range(options.first, options.first + options.count):
-        with tempfile.TemporaryDirectory() as folder:
-            path = write_building(seed, Path(folder))
-            who = yaml.safe_load(path.read_text())["character"]
-            run = pipeline.RunOptions(path, out=Path(folder) / "out", seed=0)
-            report, _ = pipeline.run(pipeline.load(run), run)
-            gates = [
-                f"{finding.kind} at {np.round(finding.position, 1).tolist()}"
-                for finding in report.findings
-                if finding.gating
-            ]
-            reached = int((report.exploration.goal_step >= 0).sum())
-            found = ""
-            if options.mutants:
-                recall = measure_recall(path, options.mutants, 0, None)
-                found = f"{recall.row()[1]} of {recall.row()[0]}"
-        print(
-            f"| {seed} | {who} | {report.verdict.name} | {reached} of {len(report.exploration.goals)} |",
-            end=" ",
-        )
-        print(f"{', '.join(gates)} | {found} |", flush=True)
-
-
-if __name__ == "__main__":
-    main()
