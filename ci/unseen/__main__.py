@@ -2,7 +2,8 @@
 
 Turned by any angle and up to 2 km from the origin, in any unit, up axis, file format and for any character; the
 nav-mesh is built. Prints a Markdown table. What gates is to be looked at: one can climb a heap of props
-(`unexpected_area`), and two flights of stairs or four rocks can enclose a pit (`stuck`). `--mutants N` plants bugs, too.
+(`unexpected_area`), and two flights of stairs or four rocks can enclose a pit (`stuck`). With `--mutants N` bugs are
+planted, too.
 """
 
 from __future__ import annotations
