@@ -23,15 +23,16 @@ from reachtest.surface import SurfaceIndex
 BESIDE_M = 0.7  # what is nearer to the nav-mesh was taken from it by erosion, or is walked over
 ABOVE_M = 0.3  # cells lie a little over or under their floor
 LEAST_M2 = 0.1  # smaller ones are no wider than a foot
-MOST_CELLS = 1 << 24  # a level of a kilometre takes minutes, and holds thousands of roofs
+MOST_CELLS, MOST_TRIANGLES = 1 << 21, 1 << 17  # a quarter of a kilometre: what is more takes longer than 10 s
 
 
 def with_floors(level: Level, own: Islands) -> Islands:
-    """The nav-mesh's `own` islands [I], and behind them the floors off it; only the former where a level is wide."""
+    """The nav-mesh's `own` islands [I], and behind them the floors off it; only the former where a level is large."""
     who = level.character
     cell_m = who.radius_m / 2
     low, high = level.collision.min(axis=(0, 1)), level.collision.max(axis=(0, 1))
-    if np.prod((high - low)[:2] / cell_m) > MOST_CELLS:
+    cells = float(np.prod((high - low)[:2])) / cell_m**2
+    if cells > MOST_CELLS or len(level.collision) > MOST_TRIANGLES:
         return own
     both = own.navmesh.format == BUILT_BOTH or turned_over(level.collision, who.slope_limit_deg)
     given = {"radius_m": 0.0, "cell_m": cell_m, "min_island_m2": 0.0}

@@ -58,7 +58,8 @@ def test_what_faces_down_is_as_good_where_all_is_turned_over() -> None:
     assert any(np.allclose(top, (10.6, 0.6, 0.0), atol=0.15) for top in tops(turned, own))
 
 
-def test_a_level_that_is_too_wide_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("limit", "most"), [("MOST_CELLS", 1000), ("MOST_TRIANGLES", 20)])
+def test_a_level_that_is_too_large_has_none(limit: str, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     where, own = built(YARD, STONE)
-    monkeypatch.setattr(floors, "MOST_CELLS", 1000)
+    monkeypatch.setattr(floors, limit, most)
     assert with_floors(where, own) is own
