@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reachtest.explore.cache import PositionCache
+from reachtest.explore.rows import Rows
 from reachtest.records import Bools, Floats, Ints, Points
 
 _OWN = -1  # a place that is the point's own position
@@ -18,29 +19,26 @@ class Places:
     """A place [3] for every point. Most are the point's own position or the one before's: those cost 4 bytes."""
 
     def __init__(self) -> None:
-        self._places = np.empty((256, 3), dtype=np.float32)  # half a millimetre at 5 km: it is for reports
-        self._count = 0
+        self._places = Rows(3, dtype=np.float32)  # half a millimetre at 5 km: it is for reports
 
     def add(self, places: Floats, positions: Floats) -> NDArray[np.int32]:
         """References [n] to `places` [n, 3] (NaN where unknown) of points at `positions` [n, 3]."""
         refs = np.full(len(places), _OWN, dtype=np.int32)
         other = np.flatnonzero((places != positions).any(axis=1))
         distinct, which = np.unique(places[other].astype(np.float32), axis=0, return_inverse=True)
-        while self._count + len(distinct) > len(self._places):
-            self._places = np.concatenate([self._places, np.empty_like(self._places)])
-        self._places[self._count : self._count + len(distinct)] = distinct
-        refs[other] = self._count + which.reshape(-1)
-        self._count += len(distinct)
+        refs[other] = len(self._places) + which.reshape(-1)
+        self._places.append(distinct)
         return refs
 
     def get(self, refs: NDArray[np.int32], positions: Floats) -> Floats:
         """The places [n, 3] behind references [n]."""
-        return np.where((refs == _OWN)[:, None], positions, self._places[refs])
+        own, known = (refs == _OWN)[:, None], self._places.values
+        return np.where(own, positions, known[refs] if len(known) else np.nan)
 
     @property
     def nbytes(self) -> int:
         """Memory of what is stored."""
-        return self._count * self._places.itemsize * 3
+        return self._places.values.nbytes
 
 
 class Archive:
@@ -48,47 +46,43 @@ class Archive:
 
     def __init__(self, cache: PositionCache, state_size: int, lanes: int, interval: int) -> None:
         """States of `state_size` numbers, from rounds of `lanes` episodes of at most `interval` agent steps."""
-        self._cache, self._count = cache, 0
+        self._cache = cache
         lane, step = np.min_scalar_type(lanes - 1), np.min_scalar_type(interval)  # a byte each, as a rule
         self._footings, self._exits = Places(), Places()
-        self._columns: dict[str, NDArray[np.generic]] = {
-            "motion": np.empty((1024, state_size - 3)),  # the state but for the position it begins with
-            "grounded": np.empty(1024, dtype=np.bool_),
-            "parent": np.empty(1024, dtype=np.int32),
-            "round": np.empty(1024, dtype=np.int32),
-            "agent": np.empty(1024, dtype=lane),
-            "start": np.empty(1024, dtype=step),
-            "step": np.empty(1024, dtype=step),
-            "off_mesh_m": np.empty(1024, dtype=np.float32),
-            "footing": np.empty(1024, dtype=np.int32),
-            "exit_point": np.empty(1024, dtype=np.int32),
-            "cell": np.empty(1024, dtype=np.int32),
-            "above_m": np.empty(1024, dtype=np.float16),
+        self._columns = {
+            "motion": Rows(state_size - 3),  # the state but for the position it begins with
+            "grounded": Rows(dtype=np.bool_),
+            "parent": Rows(dtype=np.int32),
+            "round": Rows(dtype=np.int32),
+            "agent": Rows(dtype=lane),
+            "start": Rows(dtype=step),
+            "step": Rows(dtype=step),
+            "off_mesh_m": Rows(dtype=np.float32),
+            "footing": Rows(dtype=np.int32),
+            "exit_point": Rows(dtype=np.int32),
+            "cell": Rows(dtype=np.int32),
+            "above_m": Rows(dtype=np.float16),
         }
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._columns["motion"])
 
     def append(
         self, states: Floats, footing: Floats, exit_point: Floats, **rows: NDArray[np.generic]
     ) -> None:
         """Add n rows: `states` [n, S], where the character last stood and left the nav-mesh [n, 3], and the rest."""
-        n, positions = len(states), states[:, :3]
+        positions = states[:, :3]
         rows |= {
             "motion": states[:, 3:],
             "footing": self._footings.add(footing, positions),
             "exit_point": self._exits.add(exit_point, positions),
         }
         for name, column in self._columns.items():
-            while self._count + n > len(column):
-                column = np.concatenate([column, np.empty_like(column)])
-            self._columns[name] = column
-            column[self._count : self._count + n] = rows[name]
-        self._count += n
+            column.append(rows[name])
 
     def states_of(self, points: Ints) -> Floats:
         """The states [n, S] of cached points [n]."""
-        return np.concatenate([self._cache.positions[points], self._columns["motion"][points]], axis=1)
+        return np.concatenate([self._cache.positions[points], self._column("motion")[points]], axis=1)
 
     def footings_of(self, points: Ints) -> Floats:
         """Where the characters of cached points [n] stood last [n, 3]."""
@@ -100,8 +94,8 @@ class Archive:
 
     def stood_at(self, parents: Ints) -> Bools:
         """Whether the characters of `parents` [...] stand: those of cached points; of spawns nobody looked."""
-        known = self._columns["grounded"][np.maximum(parents, 0)]
-        return np.asarray(known.astype(np.bool_) & (parents >= 0))
+        known = self.grounded[np.maximum(parents, 0)] if len(self) else False
+        return np.asarray(known & (parents >= 0))
 
     @property
     def grounded(self) -> Bools:
@@ -131,13 +125,13 @@ class Archive:
     @property
     def bytes_per_point(self) -> float:
         """What a cached point takes outside the tree, its position in the cache included."""
-        places = (self._footings.nbytes + self._exits.nbytes) / max(self._count, 1)
-        fixed = sum(column.nbytes / len(column) for column in self._columns.values())
+        places = (self._footings.nbytes + self._exits.nbytes) / max(len(self), 1)
+        fixed = sum(column.row_bytes for column in self._columns.values())
         return fixed + places + self._cache.positions.itemsize * 3
 
     def points(self) -> Points:
         """Everything as one frozen record."""
-        everything = np.arange(self._count)
+        everything = np.arange(len(self))
         positions = self._cache.positions.copy()
         exits = self._column("exit_point").astype(np.int32)
         return Points(
@@ -154,7 +148,7 @@ class Archive:
         )
 
     def _column(self, name: str) -> NDArray[np.generic]:
-        return self._columns[name][: self._count]
+        return self._columns[name].values
 
     def _places(self, places: Places, name: str, points: Ints) -> Floats:
-        return places.get(self._columns[name][points].astype(np.int32), self._cache.positions[points])
+        return places.get(self._column(name)[points].astype(np.int32), self._cache.positions[points])

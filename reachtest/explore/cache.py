@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from reachtest.explore.forest import Forest, Run
+from reachtest.explore.rows import Rows
 from reachtest.records import Bools, Floats, Ints
 
 _WIDER = 1.0 + 1e-6  # the trees are asked a little farther than K, so that rounding decides nothing
@@ -25,15 +26,15 @@ class PositionCache:
 
     def __init__(self, threshold_m: float) -> None:
         self._anywhere, self._stood_at, self._astray = (Spaced(threshold_m) for _ in range(3))
-        self._positions, self._count = np.empty((1024, 3)), 0
+        self._positions = Rows(3)
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._positions)
 
     @property
     def positions(self) -> Floats:
         """[P, 3] in order of discovery."""
-        return self._positions[: self._count]
+        return np.asarray(self._positions.values, dtype=np.float64)
 
     def insert(self, positions: Floats, stands: Bools | None = None, astray: Bools | None = None) -> Ints:
         """Offer `positions` [n, 3] one after the other, of which one `stands` [n] at some, and there is `astray` [n]
@@ -47,10 +48,7 @@ class PositionCache:
             if some is not None:
                 rows = np.flatnonzero(some)
                 new = np.union1d(new, rows[apart.insert(positions[rows])])
-        begin, self._count = self._count, self._count + len(new)
-        while self._count > len(self._positions):
-            self._positions = np.concatenate([self._positions, np.empty_like(self._positions)])
-        self._positions[begin : self._count] = positions[new]
+        self._positions.append(positions[new])
         return new
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from reachtest.explore.rows import Rows
 from reachtest.records import Floats, Ints
 
 _GROWTH = 3  # a tree is merged into the one before when that is not this much larger: few trees, few rebuilds
@@ -32,28 +33,25 @@ class Forest:
 
     def __init__(self) -> None:
         self.runs: list[Run] = []
-        self._positions = np.empty((1024, 3))
-        self._count = 0
+        self._positions = Rows(3)
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._positions)
 
     @property
     def positions(self) -> Floats:
         """[P, 3]"""
-        return self._positions[: self._count]
+        return np.asarray(self._positions.values, dtype=np.float64)
 
     def append(self, new: Floats) -> None:
         """Add points [n, 3]."""
         if not len(new):
             return
-        begin, self._count = self._count, self._count + len(new)
-        while self._count > len(self._positions):
-            self._positions = np.concatenate([self._positions, np.empty_like(self._positions)])
-        self._positions[begin : self._count] = new
-        while self.runs and self.runs[-1].end - self.runs[-1].begin < _GROWTH * (self._count - begin):
+        begin = len(self)
+        self._positions.append(new)
+        while self.runs and self.runs[-1].end - self.runs[-1].begin < _GROWTH * (len(self) - begin):
             begin = self.runs.pop().begin
-        self.runs.append(Run(begin, self._count, cKDTree(self._positions[begin : self._count])))
+        self.runs.append(Run(begin, len(self), cKDTree(self.positions[begin:])))
 
     def nearest(self, places: Floats, count: int) -> tuple[Floats, Ints]:
         """The `count` points nearest to each of `places` [n, 3]: distances and indices [n, count].
