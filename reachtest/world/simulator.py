@@ -28,9 +28,7 @@ from reachtest.world.tiles import MODELS_MB, TARGET_PIECES
 from reachtest.world.tunnelling import Barriers
 
 STATE_SIZE = 7
-JAMMED = (
-    -1.0
-)  # footing of who was at rest for a tick, held up by what is too steep: another one, and it has landed
+JAMMED = -1.0  # footing of who was held at rest for a tick: after another one it has landed
 STEP_S = 0.14  # enough to get from the foot of a step onto it at half the walking speed
 
 
