@@ -10,9 +10,9 @@ import pytest
 from reachtest.explore.actions import LEAPS, LEAPS_AIMED, action_stream
 from reachtest.explore.aimed import HEADINGS
 from reachtest.explore.cache import PositionCache
-from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, Borders
+from reachtest.explore.directed.borders import BESIDE_M, NEAR_M, TURNS, Borders
 from reachtest.explore.directed.footholds import Footholds
-from reachtest.explore.directed.gaps import Gaps, places_to_push
+from reachtest.explore.directed.gaps import ONTO_FLOOR, Gaps, places_to_push
 from reachtest.explore.directed.places import NOWHERE, SPACING_M, Places, outermost
 from reachtest.explore.directed.turns import in_turns
 from reachtest.navmesh.islands import Islands
@@ -160,6 +160,25 @@ def test_it_does_not_matter_how_many_pieces_are_looked_at_at_once(monkeypatch: p
     np.testing.assert_array_equal(by_fives.places.positions, whole.places.positions)
     np.testing.assert_array_equal(by_fives.places.target, whole.places.target)
     np.testing.assert_array_equal(np.concatenate(by_fives.landings), np.concatenate(whole.landings))
+
+
+def test_a_floor_off_the_nav_mesh_has_no_border_and_is_leapt_at_by_the_shortest_gaps() -> None:
+    islands = Islands(mesh(SQUARE, (26, 0, 29, 24)))
+    connected = np.array([True, False])
+    along, gaps = places_to_push(islands, connected, UNREAL, 1)
+    _, whole = places_to_push(islands, connected, UNREAL)
+    assert set(along.island) == {0}
+    onto, all_of_them = (some.places.positions[some.places.target == 1] for some in (gaps, whole))
+    assert len(onto) == ONTO_FLOOR < len(all_of_them)
+    assert (SIDE - onto[:, 0] < 0.1).all()  # none from farther back
+
+    footholds = Footholds(islands, connected, np.zeros(1, dtype=np.int64))
+    table = Borders(along, gaps, footholds, UNREAL, ExploreSettings())
+    cache, candidates = everywhere()
+    footholds.note(cache.positions, candidates.grounded)
+    aim = table.draw(np.random.default_rng(0), 70, cache, candidates)
+    assert aim is not None
+    assert (aim.targets >= len(along.positions)).sum() >= 70 / len(TURNS)
 
 
 def test_between_connected_islands_there_is_nothing_to_try() -> None:
