@@ -103,6 +103,8 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=12)
     parser.add_argument("--mutants", type=int, default=0, help="bugs planted in each")
     options = parser.parse_args()
+    if unknown := set(options.kinds) - set(KINDS):
+        parser.error(f"unknown: {', '.join(sorted(unknown))}")
     print(
         "| level | character | verdict | goals | what gates | planted bugs found |\n|---|---|---|---|---|---|"
     )

@@ -47,10 +47,9 @@ def islands(navmesh: NavMesh, climb_m: float | None = None) -> Ints:
 class Islands:
     """The islands of one nav-mesh, found by place."""
 
-    def __init__(self, navmesh: NavMesh, labels: Ints | None = None) -> None:
-        """`labels` [F] are the islands of its faces, where they are known."""
+    def __init__(self, navmesh: NavMesh) -> None:
         self.navmesh = navmesh
-        self.labels = islands(navmesh) if labels is None else labels  # [F]
+        self.labels = islands(navmesh)  # [F]
         self.count = int(self.labels.max()) + 1 if len(self.labels) else 0
         self._faces = FaceIndex(navmesh.triangles, SPAWN_REACH_M)
 

@@ -1,6 +1,6 @@
 """Which islands of the nav-mesh somebody stands on, as the run goes: those no spawn is connected to, too.
 
-Shape legend: I islands, G goals, P cached points.
+Shape legend: I islands and floors, G goals, P cached points.
 """
 
 from __future__ import annotations
@@ -17,13 +17,23 @@ from reachtest.records import Bools, Floats, Ints
 class Footholds:
     """`stood` [I] are the islands that are connected to a spawn, and those that somebody got onto all the same."""
 
-    def __init__(self, islands: Islands, connected: Bools, goal_island: Ints) -> None:
-        """`connected` [I] islands; `goal_island` [G] is the island of each goal, -1 for none."""
-        self.stood: Bools = connected.copy()
+    def __init__(
+        self, islands: Islands, connected: Bools, goal_island: Ints, floors: Islands | None = None
+    ) -> None:
+        """`connected` islands of the nav-mesh; `goal_island` [G] is that of each goal, -1 for none.
+
+        The islands of `floors` off the nav-mesh count on from its own.
+        """
+        known = [islands] if floors is None else [islands, floors]
+        self.stood: Bools = np.zeros(sum(some.count for some in known), dtype=np.bool_)
+        self.stood[: islands.count] = connected
         self.island: Ints = np.empty(0, dtype=np.int64)  # [P] that cached points stand on, NOWHERE for none
         self._goal_island = goal_island
-        self._labels = np.append(islands.labels, NOWHERE)  # face -1 is nowhere
-        self._faces = FaceIndex(islands.navmesh.triangles, STOOD_WITHIN_M)
+        self._known = [
+            (some.labels + first, FaceIndex(some.navmesh.triangles, STOOD_WITHIN_M))
+            for some, first in zip(known, (0, islands.count), strict=False)
+            if some.count
+        ]
 
     @property
     def goals(self) -> Bools:
@@ -37,8 +47,9 @@ class Footholds:
             return
         new = np.full(len(positions) - seen, NOWHERE)
         rows = np.flatnonzero(grounded[seen:])
-        if len(rows) and len(self._labels) > 1:
-            face, _ = self._faces.below(positions[seen + rows], STOOD_WITHIN_M, STOOD_WITHIN_M)
-            new[rows] = self._labels[face]
+        for labels, faces in self._known:
+            face, _ = faces.below(positions[seen + rows], STOOD_WITHIN_M, STOOD_WITHIN_M)
+            new[rows[face >= 0]] = labels[face[face >= 0]]
+            rows = rows[face < 0]  # who is on the nav-mesh is on no floor off it
         self.island = np.append(self.island, new)
         self.stood[new[new != NOWHERE]] = True

@@ -33,17 +33,17 @@ class Gaps:
 
 
 def places_to_push(
-    islands: Islands, connected: Bools, who: Character, own: int | None = None
+    own: Islands, connected: Bools, who: Character, floors: Islands | None = None
 ) -> tuple[Places, Gaps]:
-    """Along the border of the `connected` islands [I] and of those that jumps may lead to from there; and all gaps.
-
-    Of the islands the first `own` are the nav-mesh's (all, by default), and only those have a border.
-    """
-    own = islands.count if own is None else own
-    pieces = pieces_of(islands)
+    """Along the border of the `connected` islands [own.count] of the nav-mesh and of those that jumps may lead to from
+    there; and all gaps, also to and from `floors` off it, whose islands count on from the `own`."""
+    border = pieces = pieces_of(own)
+    if floors is not None and floors.count:
+        pieces = border.and_also(pieces_of(floors), own.count)
+        connected = np.append(connected, np.zeros(floors.count, dtype=np.bool_))
     start, end = _leaps(pieces, connected, who)
     reached = _reached(connected, pieces.island[start], pieces.island[end])
-    return along(pieces.of(pieces.island < own)).on(reached), _gaps(pieces, start, end, own)
+    return along(border).on(reached), _gaps(pieces, start, end, own.count)
 
 
 def jump_carries(who: Character, away: Floats) -> Bools:
@@ -86,13 +86,24 @@ def _gaps(pieces: Pieces, start: Ints, end: Ints, own: int) -> Gaps:
     above = np.hypot(ways[:, 0], ways[:, 1]) <= FLOAT_M
     ways[above] = pieces.outwards[edge][above]
     inside = pieces.middles[end]
-    inside[:, :2] -= LANDING_M * pieces.outwards[end]
+    inside[:, :2] -= (np.minimum(LANDING_M, _to_middle(pieces))[:, None] * pieces.outwards)[end]
     return Gaps(
         Places(pieces.middles[edge], heading_of(ways), pieces.island[edge], pair[begin, 1]),
         pieces.outwards[edge],
         tuple(inside[one:last] for one, last in zip(begin.tolist(), stop.tolist(), strict=True)),
         own,
     )
+
+
+def _to_middle(pieces: Pieces) -> Floats:
+    """How far inwards from each piece [p] the middle of its island is [m]: one lands no farther in; infinite where that
+    is outwards of it."""
+    count = np.maximum(np.bincount(pieces.island), 1)[:, None]
+    sums = [np.bincount(pieces.island, weights=pieces.middles[:, axis]) for axis in (0, 1)]
+    inwards = (
+        (pieces.middles[:, :2] - (np.stack(sums, axis=1) / count)[pieces.island]) * pieces.outwards
+    ).sum(axis=1)
+    return np.where(inwards > 0.0, inwards, np.inf)
 
 
 def _among_nearest(between: Ints, far: Floats) -> Bools:

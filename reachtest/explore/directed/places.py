@@ -43,9 +43,13 @@ class Pieces:
     outwards: Floats  # [p, 2]
     island: Ints  # [p]
 
-    def of(self, kept: Bools) -> Pieces:
-        """Those to keep [p]."""
-        return Pieces(self.middles[kept], self.outwards[kept], self.island[kept])
+    def and_also(self, others: Pieces, island: int) -> Pieces:
+        """These and `others`, whose islands count on from `island`."""
+        return Pieces(
+            np.concatenate([self.middles, others.middles]),
+            np.concatenate([self.outwards, others.outwards]),
+            np.concatenate([self.island, others.island + island]),
+        )
 
 
 def pieces_of(islands: Islands) -> Pieces:

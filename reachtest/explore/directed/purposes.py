@@ -8,7 +8,7 @@ from reachtest.columns import ColumnIndex
 from reachtest.explore.cache import PositionCache
 from reachtest.explore.directed.aim import Aim, Aims
 from reachtest.explore.directed.borders import Borders
-from reachtest.explore.directed.floors import with_floors
+from reachtest.explore.directed.floors import floors_off
 from reachtest.explore.directed.footholds import Footholds
 from reachtest.explore.directed.gaps import places_to_push
 from reachtest.explore.directed.walks import Walks
@@ -59,13 +59,11 @@ def directed(
 ) -> Directed:
     """The purposes of a level with floors in `columns`: `goals`, of which those `wanted` [G] were promised, on
     `islands`."""
-    everywhere = with_floors(level, islands)
-    connected = np.arange(everywhere.count) < islands.count
-    connected[: islands.count] = on.connected
-    footholds = Footholds(everywhere, connected, on.goal_island)
+    floors = floors_off(level, islands)
+    footholds = Footholds(islands, on.connected, on.goal_island, floors)
     walks = Walks(level.character, level.explore, columns)
     aims = Aims(goals, wanted, level.explore.goal_spacing_m, walks)
-    along, gaps = places_to_push(everywhere, connected, level.character, islands.count)
+    along, gaps = places_to_push(islands, on.connected, level.character, floors)
     borders = Borders(along, gaps, footholds, level.character, level.explore)
     return Directed(aims, borders, footholds, level.explore)
 

@@ -163,16 +163,16 @@ def test_it_does_not_matter_how_many_pieces_are_looked_at_at_once(monkeypatch: p
 
 
 def test_a_floor_off_the_nav_mesh_has_no_border_and_is_leapt_at_by_the_shortest_gaps() -> None:
-    islands = Islands(mesh(SQUARE, (26, 0, 29, 24)))
-    connected = np.array([True, False])
-    along, gaps = places_to_push(islands, connected, UNREAL, 1)
-    _, whole = places_to_push(islands, connected, UNREAL)
+    islands, floors = Islands(mesh(SQUARE)), Islands(mesh((26, 0, 29, 24)))
+    connected = np.array([True])
+    along, gaps = places_to_push(islands, connected, UNREAL, floors)
+    _, whole = places(SQUARE, (26, 0, 29, 24))
     assert set(along.island) == {0}
     onto, all_of_them = (some.places.positions[some.places.target == 1] for some in (gaps, whole))
     assert len(onto) == ONTO_FLOOR < len(all_of_them)
     assert (SIDE - onto[:, 0] < 0.1).all()  # none from farther back
 
-    footholds = Footholds(islands, connected, np.zeros(1, dtype=np.int64))
+    footholds = Footholds(islands, connected, np.zeros(1, dtype=np.int64), floors)
     table = Borders(along, gaps, footholds, UNREAL, ExploreSettings())
     cache, candidates = everywhere()
     footholds.note(cache.positions, candidates.grounded)
