@@ -9,19 +9,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import trimesh
 
 from reachtest.columns import ColumnIndex
 from reachtest.geometry import triangle_normals
 from reachtest.navmesh.build import BUILT_BOTH, build_navmesh, turned_over
-from reachtest.navmesh.faces import FaceIndex
-from reachtest.navmesh.islands import Islands, islands
+from reachtest.navmesh.islands import Islands
 from reachtest.navmesh.settings import settings_for
-from reachtest.records import Bools, Floats, Level, NavMesh
+from reachtest.records import Bools, Character, Floats, Level, NavMesh
 from reachtest.surface import SurfaceIndex
 
-BESIDE_M = (
-    0.7  # a floor that comes nearer to the nav-mesh is its own, less what erosion took, or is walked onto
-)
+BESIDE = 1.5 * float(np.sqrt(2.0))  # radii: erosion takes one and up to half of one more, into a corner
+PIECE_M = 2.0  # longest side of a face
 ABOVE_M = 0.3  # cells lie a little over or under their floor
 LEAST_M2 = 0.1  # smaller ones are no wider than a foot
 MOST_CELLS, MOST_TRIANGLES = 1 << 21, 1 << 17  # a quarter of a kilometre: what is more takes longer than 10 s
@@ -41,29 +40,26 @@ def floors_off(level: Level, own: Islands) -> Islands:
         return none
     both = own.navmesh.format == BUILT_BOTH or turned_over(triangles, who.slope_limit_deg)
     given = {"radius_m": 0.0, "cell_m": cell_m, "min_island_m2": LEAST_M2}
-    floors = build_navmesh(triangles, settings_for(who, both_sides=both, **given))
-    floors = replace(floors, faces=floors.faces[_off(floors, own.navmesh)])
+    floors = _in_pieces(build_navmesh(triangles, settings_for(who, both_sides=both, **given)))
+    floors = replace(floors, faces=floors.faces[_off(floors, own.navmesh, who)])
     if not both:
         floors = replace(floors, faces=floors.faces[~_inside(floors.triangles, triangles)])
     return Islands(floors)
 
 
-def _off(floors: NavMesh, navmesh: NavMesh) -> Bools:
-    """Which faces [f] belong to floors that come nowhere near the nav-mesh."""
+def _in_pieces(floors: NavMesh) -> NavMesh:
+    """The same in faces that are no longer than a piece: those of a yard are larger than the nav-mesh in it."""
     if not len(floors.faces):
-        return np.zeros(0, dtype=np.bool_)
-    label, beside = islands(floors), np.zeros(len(floors.faces), dtype=np.bool_)
-    near = SurfaceIndex(navmesh.triangles, BESIDE_M).within(_places(floors.triangles))
-    beside |= near.reshape(-1, 4).any(axis=1)
-    # A face may be larger than the nav-mesh on it.
-    under, _ = FaceIndex(floors.triangles, BESIDE_M).below(_places(navmesh.triangles), BESIDE_M, BESIDE_M)
-    beside[under[under >= 0]] = True
-    return np.asarray(~np.isin(label, label[beside]), dtype=np.bool_)
+        return floors
+    vertices, faces = trimesh.remesh.subdivide_to_size(floors.vertices, floors.faces, PIECE_M, max_iter=32)
+    return replace(floors, vertices=vertices, faces=faces.astype(np.int64))
 
 
-def _places(triangles: Floats) -> Floats:
-    """The corners and the middle of each of `triangles` [f, 3, 3], one after the other [4 f, 3]."""
-    return np.concatenate([triangles, triangles.mean(axis=1, keepdims=True)], axis=1).reshape(-1, 3)
+def _off(floors: NavMesh, navmesh: NavMesh, who: Character) -> Bools:
+    """Which faces [f] are off the nav-mesh with all of their corners."""
+    beside_m = BESIDE * max(who.radius_m, navmesh.agent.radius_m or 0.0)
+    near = SurfaceIndex(navmesh.triangles, beside_m).within(floors.vertices)
+    return np.asarray(~near[floors.faces].any(axis=1), dtype=np.bool_)
 
 
 def _inside(triangles: Floats, collision: Floats) -> Bools:

@@ -24,7 +24,6 @@ YARD = box([-8, -8, -1], [8, 8, 0])
 STONE = box([10, 0, -1], [11.2, 1.2, 0])  # too small for the nav-mesh
 SHED = box([-4, -4, 0], [-1, -1, 2.6])  # higher than anybody is tall
 POST = box([10, 5, -1], [10.35, 5.35, 0])
-STEP = box([4, -8, -1], [8, 8, 0.2])  # up from the yard
 TOP = slice(10, 12)  # the faces of a box that face up
 
 
@@ -45,8 +44,9 @@ def tops(where: Level, own: Islands) -> Floats:
 def test_the_top_of_a_shed_and_a_stone_are_floors_and_the_inside_of_the_shed_is_none() -> None:
     around = box([-8, -8, -1], [-4.5, 8, 0]), box([-0.5, -8, -1], [8, 8, 0])
     found = tops(*built(YARD, STONE, SHED, walked=around))
-    assert len(found) == 2
-    assert np.allclose(sorted(found.tolist()), [(-2.5, -2.5, 2.6), (10.6, 0.6, 0.0)], atol=0.15)
+    for top in (-2.5, -2.5, 2.6), (10.6, 0.6, 0.0):
+        assert np.isclose(found, top, atol=0.15).all(axis=1).sum() == 1
+    assert not (np.abs(found - [-2.5, -2.5, 0.0]) < 1.5).all(axis=1).any()
 
 
 def test_what_is_no_wider_than_a_foot_is_no_floor() -> None:
@@ -55,16 +55,24 @@ def test_what_is_no_wider_than_a_foot_is_no_floor() -> None:
 
 @pytest.mark.parametrize("who", PRESETS)
 @pytest.mark.parametrize("walked", [YARD, box([-8, -8, -1], [2, 8, 0]), box([-6, -6, -1], [-2, -2, 0])])
-def test_the_nav_meshs_own_floor_is_none_off_it(who: str, walked: Floats) -> None:
-    """Its corners, where erosion took most, and what goes on where the nav-mesh ends: its border stays its border."""
-    pieces = (YARD, STONE) if PRESETS[who].step_height_m == 0 else (YARD, STONE, STEP)
-    where, own = built(*pieces, who=who, walked=[walked])
+def test_the_nav_mesh_keeps_its_border_and_who_stands_on_it(who: str, walked: Floats) -> None:
+    """Its floor goes on where it ends, in corners and all around, and is a larger patch than it is."""
+    where, own = built(YARD, STONE, who=who, walked=[walked])
     found = floors_off(where, own)
-    assert found.count == 1
+    assert (found.count == 1) == (walked is YARD)  # the stone; else the rest of the yard, too
     connected = np.ones(own.count, dtype=np.bool_)
     without, _ = places_to_push(own, connected, where.character)
     along, _ = places_to_push(own, connected, where.character, found)
     np.testing.assert_array_equal(along.positions, without.positions)
+
+
+def test_a_beam_that_leads_away_from_the_nav_mesh_is_off_it() -> None:
+    beam = box([8, 3, -1], [16, 3.9, 0])  # too narrow for the nav-mesh, and one walks onto it
+    where, own = built(YARD, beam)
+    assert np.allclose(tops(where, own), [(12.7, 3.45, 0.0)], atol=1.0)
+    footholds = Footholds(own, np.ones(own.count, dtype=np.bool_), np.zeros(1, int), floors_off(where, own))
+    footholds.note(np.array([[7.4, 3.4, 0.0], [14, 3.4, 0.0]]), np.ones(2, dtype=np.bool_))
+    assert footholds.island.tolist() == [0, own.count]
 
 
 def test_who_stands_on_a_floor_is_told_from_who_stands_on_the_nav_mesh() -> None:
