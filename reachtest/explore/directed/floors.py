@@ -40,7 +40,11 @@ def floors_off(level: Level, own: Islands) -> Islands:
         return none
     both = own.navmesh.format == BUILT_BOTH or turned_over(triangles, who.slope_limit_deg)
     given = {"radius_m": 0.0, "cell_m": cell_m, "min_island_m2": LEAST_M2}
-    floors = _in_pieces(build_navmesh(triangles, settings_for(who, both_sides=both, **given)))
+    try:
+        built = build_navmesh(triangles, settings_for(who, both_sides=both, **given))
+    except ValueError:  # too high for its layers
+        return none
+    floors = _in_pieces(built)
     floors = replace(floors, faces=floors.faces[_off(floors, own.navmesh, who)])
     if not both:
         floors = replace(floors, faces=floors.faces[~_inside(floors.triangles, triangles)])

@@ -97,6 +97,11 @@ def test_a_level_that_is_too_large_has_none(limit: str, most: int, monkeypatch: 
     assert not floors_off(where, own).count
 
 
+def test_a_level_that_is_too_high_has_none() -> None:
+    where, own = built(YARD, STONE, box([0, 0, 3e6], [1, 1, 3e6 + 1]))
+    assert not floors_off(where, own).count
+
+
 def test_without_a_nav_mesh_there_is_nothing_off_it() -> None:
     where, _ = built(YARD, STONE)
     nothing = NavMesh(
