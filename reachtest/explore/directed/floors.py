@@ -60,10 +60,10 @@ def _in_pieces(floors: NavMesh) -> NavMesh:
 
 
 def _off(floors: NavMesh, navmesh: NavMesh, who: Character) -> Bools:
-    """Which faces [f] are off the nav-mesh with all of their corners."""
+    """Which faces [f] are off the nav-mesh with a corner: the others of theirs are where a leap arrives first."""
     beside_m = BESIDE * max(who.radius_m, navmesh.agent.radius_m or 0.0)
     near = SurfaceIndex(navmesh.triangles, beside_m).within(floors.vertices)
-    return np.asarray(~near[floors.faces].any(axis=1), dtype=np.bool_)
+    return np.asarray(~near[floors.faces].all(axis=1), dtype=np.bool_)
 
 
 def _inside(triangles: Floats, collision: Floats) -> Bools:

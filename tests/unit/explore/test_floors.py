@@ -69,7 +69,7 @@ def test_the_nav_mesh_keeps_its_border_and_who_stands_on_it(who: str, walked: Fl
 def test_a_beam_that_leads_away_from_the_nav_mesh_is_off_it() -> None:
     beam = box([8, 3, -1], [16, 3.9, 0])  # too narrow for the nav-mesh, and one walks onto it
     where, own = built(YARD, beam)
-    assert np.allclose(tops(where, own), [(12.7, 3.45, 0.0)], atol=1.0)
+    assert np.allclose(tops(where, own), [(12.0, 3.45, 0.0)], atol=1.0)
     footholds = Footholds(own, np.ones(own.count, dtype=np.bool_), np.zeros(1, int), floors_off(where, own))
     footholds.note(np.array([[7.4, 3.4, 0.0], [14, 3.4, 0.0]]), np.ones(2, dtype=np.bool_))
     assert footholds.island.tolist() == [0, own.count]
