@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from shapes import box
+from shapes import box, walls
 
 THICK_M, SLAB_M, WALL_M = 0.4, 0.6, 3.5
 DOOR_M, TREAD_M, STEP_M, RAMP_DEG = 1.8, 0.35, 0.3, 30.0
@@ -29,7 +29,8 @@ class Building:
             self._room(np.array(room))
         for here, there, opens in self._borders():
             self._border(here, there, opens)
-        self._walls_around()
+        x, y = self.size * self.room_m
+        self.pieces += walls((x, y), THICK_M / 2, self.bottom, self.top)
 
     def box(self, low: object, high: object) -> None:
         """Add a box."""
@@ -88,11 +89,3 @@ class Building:
             z = high - (high - low) * k / (steps if stairs else 8 * steps)
             side = sorted(at + away * (THICK_M / 2 + tread * np.array([k - 1, k])))
             slab((door, door + DOOR_M), (side[0], side[1]), (low - 0.3, z))
-
-    def _walls_around(self) -> None:
-        half, (x, y) = THICK_M / 2, self.size * self.room_m
-        for low, high in (
-            ((-half, -half), (half, y + half)), ((x - half, -half), (x + half, y + half)),
-            ((-half, -half), (x + half, half)), ((-half, y - half), (x + half, y + half)),
-        ):  # fmt: skip
-            self.box([*low, self.bottom], [*high, self.top])

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import trimesh
-from shapes import surface, waves
+from shapes import mesh, surface, waves
 
 CELL_M, CLEAR_M = 0.5, 1.4
 
@@ -22,9 +22,9 @@ def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
     at = np.round(halls[0] / CELL_M).astype(int)
     near = np.hypot(*(np.indices((n, n)) * CELL_M - halls[0][:, None, None])) < CLEAR_M
     floor[near], clear[near] = floor[tuple(at)], np.maximum(clear[near], 3.0)
-    pieces = [surface(floor, CELL_M), surface(floor + clear, CELL_M, down=True)]
-    for piece in pieces:  # both end where the rock is solid
-        piece.update_faces((clear.ravel()[piece.faces] > -0.5).any(axis=1))
+    open_ = (surface(clear, CELL_M)[:, :, 2] > -0.5).any(axis=1)  # both end where the rock is solid
+    ceiling = surface(floor + clear, CELL_M)[open_, ::-1]
+    pieces = [mesh(surface(floor, CELL_M)[open_]), mesh(ceiling)]
     return pieces, np.append(at * CELL_M, floor[tuple(at)] + 0.05)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from shapes import box, walls
 
-CLEAR_M, WALL_M = 1.5, 8.0
+CLEAR_M, WALL_M, THICK_M = 1.5, 8.0, 0.5
 
 
 def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
@@ -25,7 +25,7 @@ def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
         if not ((low < CLEAR_M) & (high > -CLEAR_M)).all():
             pieces.append(prop)
     top = max(piece.bounds[1][2] for piece in pieces) + WALL_M
-    return pieces + walls(side, -0.5, top), np.array([side / 2, side / 2, 0.05])
+    return pieces + walls((side, side), THICK_M, -0.5, top), np.array([side / 2, side / 2, 0.05])
 
 
 def _prop(rng: np.random.Generator) -> trimesh.Trimesh:

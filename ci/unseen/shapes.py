@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-THICK_M = 0.5  # a wall, to either side
+from reachtest.geometry import grid_surface
 
 
 def box(low: object, high: object) -> trimesh.Trimesh:
@@ -16,14 +16,14 @@ def box(low: object, high: object) -> trimesh.Trimesh:
     return piece
 
 
-def walls(side: float, bottom: float, top: float) -> list[trimesh.Trimesh]:
-    """Around a square of [0, side] x [0, side]."""
-    t, far = THICK_M, side + THICK_M
+def walls(size: tuple[float, float], half_m: float, bottom: float, top: float) -> list[trimesh.Trimesh]:
+    """Along the sides of [0, size x] x [0, size y], `half_m` to either side of them."""
+    (x, y), t = size, half_m
     return [
-        box([-t, -t, bottom], [t, far, top]),
-        box([side - t, -t, bottom], [far, far, top]),
-        box([-t, -t, bottom], [far, t, top]),
-        box([-t, side - t, bottom], [far, far, top]),
+        box([-t, -t, bottom], [t, y + t, top]),
+        box([x - t, -t, bottom], [x + t, y + t, top]),
+        box([-t, -t, bottom], [x + t, t, top]),
+        box([-t, y - t, bottom], [x + t, y + t, top]),
     ]
 
 
@@ -38,12 +38,12 @@ def waves(rng: np.random.Generator, n: int) -> np.ndarray:
     return result
 
 
-def surface(height: np.ndarray, cell_m: float, *, down: bool = False) -> trimesh.Trimesh:
-    """Two triangles a cell through heights [n, n], facing up, or down."""
-    n = len(height)
-    x, y = np.meshgrid(np.arange(n) * cell_m, np.arange(n) * cell_m, indexing="ij")
-    index = np.arange(n * n).reshape(n, n)
-    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-    faces = np.concatenate([np.stack(corners, -1).reshape(-1, 3) for corners in ([a, b, c], [a, c, d])])
-    vertices = np.stack([x, y, height], -1).reshape(-1, 3)
-    return trimesh.Trimesh(vertices, faces[:, ::-1] if down else faces, process=False)
+def surface(height: np.ndarray, cell_m: float) -> np.ndarray:
+    """The triangles [F, 3, 3] of heights [n, n], the first index along x; they face up."""
+    x, y = np.indices(height.shape) * cell_m
+    return grid_surface(np.stack([x, y, height], -1).swapaxes(0, 1))
+
+
+def mesh(triangles: np.ndarray) -> trimesh.Trimesh:
+    """Triangles [F, 3, 3] as a piece."""
+    return trimesh.Trimesh(**trimesh.triangles.to_kwargs(triangles), process=False)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from shapes import surface, walls, waves
+from shapes import mesh, surface, walls, waves
 
-WALL_M, CELL_M, CLEAR_M = 8.0, 1.0, 4.0
+WALL_M, THICK_M, CELL_M, CLEAR_M = 8.0, 0.5, 1.0, 4.0
 
 
 def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
@@ -21,14 +21,14 @@ def make(rng: np.random.Generator) -> tuple[list[trimesh.Trimesh], np.ndarray]:
         height[:part] = np.round(height[:part] / step) * step  # terraces
     at = rng.integers(6, n - 6, 2)
     height[at[0] - 2 : at[0] + 3, at[1] - 2 : at[1] + 3] = height[tuple(at)]
-    side, pieces = (n - 1) * CELL_M, [surface(height, CELL_M)]
+    side, pieces = (n - 1) * CELL_M, [mesh(surface(height, CELL_M))]
     for _ in range(int(rng.integers(5, 30))):
         where = rng.uniform(2, side - 2, 2)
         if np.linalg.norm(where - at * CELL_M) > CLEAR_M:
             ground = height[tuple(np.round(where / CELL_M).astype(int))]
             pieces.append(_thing(rng, np.append(where, ground)))
     top = max(piece.bounds[1][2] for piece in pieces) + WALL_M
-    pieces += walls(side, height.min() - 2, top)
+    pieces += walls((side, side), THICK_M, height.min() - 2, top)
     return pieces, np.append(at * CELL_M, height[tuple(at)] + 0.05)
 
 

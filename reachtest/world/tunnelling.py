@@ -35,6 +35,9 @@ class Barriers:
         """`columns` tells where there are floors; what is walkable has a normal z of at least `slope_cos`."""
         self._batch, self._columns, self._slope_cos, self._dt = batch, columns, slope_cos, timestep_s
         self._safe_rise_m = SAFE_RISE * radius_m
+        self._above_m = np.where(
+            LOOKS > 0.0, 0.0, self._safe_rise_m
+        )  # one is on a steep floor that is over the feet
 
     def stop_at_floors(self, velocity: Floats) -> None:
         """No fall into or through a floor: who would fall past one within the tick falls onto it; `velocity` [B, 3]
@@ -50,15 +53,14 @@ class Barriers:
         way = begin[:, None] + LOOKS[None, :, None] * move[:, None]  # [n, looks, 3]
         passed = np.concatenate([way[:, :1, 2], way[:, :-1, 2]], axis=1)  # how high it was a look before
         way[:, :, 2] = begin[:, None, 2]
-        above = np.where(LOOKS > 0.0, 0.0, self._safe_rise_m)  # one is on a steep floor that is over the feet
-        down, up = np.repeat(-move[:, 2], len(LOOKS)), np.tile(above, len(ids))
+        down, up = np.repeat(-move[:, 2], len(LOOKS)), np.tile(self._above_m, len(ids))
         floor = self._columns.highest(way.reshape(-1, 3), down, up)[0]
         floor = floor.reshape(passed.shape)
         met = np.isfinite(floor)
         rows = indices(met.any(axis=1))
         ids, floor, passed, first = ids[rows], floor[rows], passed[rows], met[rows].argmax(axis=1)
         at = np.arange(len(rows)), first
-        onto = floor[at] <= passed[at] + above[first]
+        onto = floor[at] <= passed[at] + self._above_m[first]
         drop = np.minimum(floor[at][onto] - begin[rows[onto], 2], 0.0)
         velocity[ids[onto], 2] = drop / self._dt
         # No farther than before its side, or up to where it rises steeply.

@@ -1,4 +1,5 @@
-"""Which islands of the nav-mesh somebody stands on, as the run goes: those no spawn is connected to, too.
+"""Which islands of the nav-mesh, and floors off it, somebody stands on as the run goes: those no spawn is connected
+to, too.
 
 Shape legend: I islands and floors, G goals, P cached points.
 """

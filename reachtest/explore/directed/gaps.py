@@ -49,7 +49,8 @@ def places_to_push(
 def jump_carries(who: Character, away: Floats) -> Bools:
     """Whether a running jump may carry by `away` [n, 3] from border to border, were nothing in the way.
 
-    A ballistic flight; the borders of a nav-mesh keep a radius from the edges.
+    A ballistic flight; the borders of a nav-mesh keep a radius from the edges. Those of floors off it do not: what is
+    too far for that is tried in vain.
     """
     rise = away[:, 2] - FLOAT_M
     high_enough = (rise <= who.jump_speed_mps**2 / (2 * who.gravity_mps2)) & (rise >= -DROP_M)
